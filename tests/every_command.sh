@@ -72,12 +72,12 @@ light() {
   run prefilter small.exr exact.exr --lobe diffuse --size 4 --method exact
   run prefilter small.exr exact.exr --lobe phong --exponent 50 --size 4 --method exact
   run prefilter small.exr exact.exr --lobe ggx --roughness 0.5 --size 4 --method exact
-  for method in auto hierarchical; do
+  for method in auto treecode; do
     run prefilter sky.exr diffuse.exr --lobe diffuse --size 16 --method $method --max-error 0.05
     run prefilter sky.exr phong.exr --lobe phong --exponent 50 --size 16 --method $method --max-error 0.05
   done
   for lobe in ggx charlie; do
-    run prefilter sky.exr $lobe.exr --lobe $lobe --roughness 0.5 --size 16 --method hierarchical --max-error 0.05
+    run prefilter sky.exr $lobe.exr --lobe $lobe --roughness 0.5 --size 16 --method treecode --max-error 0.05
   done
   run prefilter sky.exr blinn.exr --lobe blinn-phong --exponent 50 --size 16 --max-error 0.05
   for part in 1 2 3; do

@@ -49,9 +49,9 @@ COMMANDS = [
     'mipmap cube.exr border.exr --openexr-envmap',
     'mipmap cube.exr cube-bc6h.dds --depth bc6h --clamp -q', 'mipmap from-sphere.exr from-sphere-bc6h.ktx2 --depth bc6h --clamp --zstd -q',
     'convert sun.exr small.exr --to latlong --size 16', 'convert sun.exr aces.exr --output-space ACEScg --white 6000 --saturation 1.5',
-    *(f'prefilter small.exr diffuse-{m}.exr --method {m} --size 6 -q' for m in 'auto exact hierarchical prefix-sums'.split()),
+    *(f'prefilter small.exr diffuse-{m}.exr --method {m} --size 6 -q' for m in 'auto exact treecode prefix-sums'.split()),
     *(f'prefilter small.exr phong-{m}.exr --lobe phong --exponent 40.5 --method {m} --size 6 -q'
-      for m in 'exact hierarchical'.split()),
+      for m in 'exact treecode'.split()),
     *(f'prefilter small.exr ggx-{r}.exr --lobe ggx --roughness {r} --method multilevel --size 6 -q' for r in (0.01, 0.12, 0.5)),
     *(f'prefilter cube.exr ggx-cube-{r}.exr --lobe ggx --roughness {r} --size 6 -q' for r in (0.03, 0.5)),
     'prefilter sun.exr charlie.exr --lobe charlie --roughness .5 --size 6 -q',

@@ -74,7 +74,7 @@ void add_prefilter(py::module_& m) {
   py::class_<PrefilteredMap>(m, "Prefiltered", "What prefilter() made, and how.")
       .def_readonly("map", &PrefilteredMap::map)
       .def_readonly("method", &PrefilteredMap::method,
-                    "exact, hierarchical, prefix-sums or multilevel: that of most texels; area or nearest of a mirror.")
+                    "exact, treecode, prefix-sums or multilevel: that of most texels; area or nearest of a mirror.")
       .def_readonly("error", &PrefilteredMap::error, "The largest figure of a texel; 0 of exact sums.")
       .def_readonly("exact", &PrefilteredMap::exact, "Texels that were summed exactly.");
 

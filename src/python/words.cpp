@@ -123,7 +123,9 @@ Layout layout_of(const std::string& word) { return cube_layouts[index_of_word("l
 Depth depth_of(const std::string& word) { return named<Depth>("depth", word, depth_names); }
 Filter filter_of(const std::string& word) { return named<Filter>("filter", word, filters(), &FilterInfo::name); }
 Shape shape_of(const std::string& word) { return named<Shape>("lobe", word, shape_names); }
-Method method_of(const std::string& word) { return named<Method>("method", word, method_names); }
+Method method_of(const std::string& word) {
+  return word == former_name_of_treecode ? Method::treecode : named<Method>("method", word, method_names);
+}
 Weights weights_of(const std::string& word) { return named<Weights>("weights", word, weight_names); }
 
 void add_errors(py::module_& module) {

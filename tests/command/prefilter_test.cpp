@@ -31,6 +31,7 @@ TEST_F(Prefilter, WritesADiffuseCubeOf64AndSaysHowItWent) {
 }
 
 TEST_F(Prefilter, MethodsAgree) {
+  // The second is what treecode was called before.
   for (const char* method : {"exact", "hierarchical"})
     succeeds({"prefilter", "in.exr", std::string(method) + ".exr", "--lobe", "phong", "--exponent", "6", "--size", "4",
               "--depth", "float", "--method", method, "--max-error", "5e-2", "-q"});

@@ -100,7 +100,7 @@ TEST_F(Shards, OfPrefilterJoinToTheBytesOfTheWhole) {
   check({"multilevel", {"prefilter", "sun.exr", "--lobe", "phong", "--exponent", "300", "--size", "24"}});
   check(
       {"a core", {"prefilter", "sun.exr", "--lobe", "ggx", "--roughness", "0.04", "--size", "11", "--to", "latlong"}});
-  check({"hierarchical", {"prefilter", "sun.exr", "--lobe", "charlie", "--roughness", "0.4", "--size", "11"}});
+  check({"treecode", {"prefilter", "sun.exr", "--lobe", "charlie", "--roughness", "0.4", "--size", "11"}});
   check({"sheen", {"prefilter", "sun.exr", "--lobe", "charlie", "--roughness", "0.2", "--size", "11"}});
   check({"diffuse", {"prefilter", "sun.exr", "--size", "9", "--to", "paraboloid"}});
   check({"exact", {"prefilter", "sun.exr", "--method", "exact", "--size", "3"}});

@@ -68,13 +68,13 @@ TEST_F(Tradeoff, PrefiltersKeepToTheirError) {
 TEST_F(Tradeoff, OfLargeMapsTheReferenceStatesItsError) {
   succeeds({"generate", "sun", "large.exr", "--size", "256", "--radius", "12", "--value", "40,30,20"});
   const Result r = envmap({"tradeoff", "large.exr", "--task", "ggx:0.6:cube:16", "--json", "--budget", "0", "--only",
-                           "hierarchical --max-error 0.1"});
+                           "treecode --max-error 0.1"});
   ASSERT_EQ(r.status, 0) << r.err;
   const json all = json::parse(r.out);
   EXPECT_NE(all["reference"]["what"].get<std::string>().find("within 1e-5"), std::string::npos) << all;
   EXPECT_LE(all["trials"][0]["max"].get<double>(), 0.1);
   const Result small = envmap({"tradeoff", "in.exr", "--task", "ggx:0.6:cube:4", "--json", "--budget", "0", "--only",
-                               "hierarchical --max-error 0.1"});
+                               "treecode --max-error 0.1"});
   EXPECT_EQ(json::parse(small.out)["reference"]["what"], "--method exact");
 }
 

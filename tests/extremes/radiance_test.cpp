@@ -34,7 +34,7 @@ TEST(Black, StaysBlack) {
       for (const FilterInfo& filter : filters())
         EXPECT_EQ(extremes::range(convert(map, {.to = to, .size = 5, .filter = filter.filter}).base()),
                   std::pair(0.0F, 0.0F));
-    for (const Method method : {Method::automatic, Method::exact, Method::hierarchical})
+    for (const Method method : {Method::automatic, Method::exact, Method::treecode})
       EXPECT_EQ(extremes::range(PrefilterSource(map).make({.size = 2, .method = method}).map.base()),
                 std::pair(0.0F, 0.0F));
     for (const Flux& c : project(map, 3).coefficients) EXPECT_EQ(c, Flux(0));

@@ -29,7 +29,7 @@ const std::vector<Words>& commands_of_images() {
       {"convert", image, "fuzz_command.env", "--to", "cube", "--size", "4", "--repair", "--clamp", "--drop-channels"},
       {"mipmap", image, "fuzz_command.ktx2", "--depth", "half", "--repair", "--clamp", "--drop-channels"},
       {"mipmap", image, "fuzz_command.dds", "--depth", "bc6h", "--repair", "--clamp", "--drop-channels"},
-      {"prefilter", image, "fuzz_command.exr", "--size", "2", "--method", "hierarchical", "--repair", "--drop-channels",
+      {"prefilter", image, "fuzz_command.exr", "--size", "2", "--method", "treecode", "--repair", "--drop-channels",
        "--clamp"},
       {"sh", image, "--irradiance", "--json", "--repair", "--drop-channels"},
       {"compare", image, image, "--json", "--difference", "fuzz_command.exr"},

@@ -53,7 +53,7 @@ TEST(Ownership, WhatIsGivenAwayIsKept) {
 TEST(Threads, ShareAPrefilterSource) {
   const PrefilterSource source(sun(16));
   std::vector<Prefilter> lobes;
-  for (const Method method : {Method::automatic, Method::hierarchical})
+  for (const Method method : {Method::automatic, Method::treecode})
     for (const double exponent : {1.0, 2.0, 20.0, 100.0})
       lobes.push_back({.shape = Shape::phong, .parameter = exponent, .size = 8, .method = method});
   for (const double roughness : {0.05, 0.3, 0.9})

@@ -11,7 +11,7 @@
 #include "envmap/prefilter/exact.h"
 #include "envmap/prefilter/prefilter.h"
 #include "envmap/prefilter/source.h"
-#include "envmap/prefilter/tree.h"
+#include "envmap/prefilter/treecode_tree.h"
 
 namespace hinge_test {
 namespace {

@@ -298,10 +298,10 @@ TEST(Multilevel, AutoTakesItForNarrowLobes) {
   EXPECT_EQ(method(Shape::ggx, 0.8, 1e-4), Method::multilevel);
   EXPECT_EQ(method(Shape::phong, 200, 1e-3), Method::multilevel);
   EXPECT_EQ(method(Shape::phong, 2, 1e-3), Method::prefix_sums);
-  EXPECT_EQ(method(Shape::ggx, 0.6, 1e-3), Method::hierarchical);
-  EXPECT_EQ(method(Shape::phong, 5, 1e-3), Method::hierarchical);
-  EXPECT_EQ(method(Shape::ggx, 0.8, 9e-5), Method::hierarchical);
-  EXPECT_EQ(method(Shape::charlie, 0.5, 1e-3), Method::hierarchical);
+  EXPECT_EQ(method(Shape::ggx, 0.6, 1e-3), Method::treecode);
+  EXPECT_EQ(method(Shape::phong, 5, 1e-3), Method::treecode);
+  EXPECT_EQ(method(Shape::ggx, 0.8, 9e-5), Method::treecode);
+  EXPECT_EQ(method(Shape::charlie, 0.5, 1e-3), Method::treecode);
 }
 
 // The treecode shares its work among texels next to each other.
@@ -315,7 +315,7 @@ TEST(Multilevel, AutoTakesPrefixSumsForFewTexels) {
   };
   EXPECT_EQ(method(16, 1e-3), Method::prefix_sums);
   EXPECT_EQ(method(128, 1e-5), Method::prefix_sums);
-  EXPECT_EQ(method(128, 1e-3), Method::hierarchical);
+  EXPECT_EQ(method(128, 1e-3), Method::treecode);
 }
 
 TEST(Multilevel, LobesThatHaveNoBound) {

@@ -113,7 +113,8 @@ bool Option::takes_several() const {
 
 void Option::put(const std::string& text) const {
   if (file != File::none && text.empty()) throw std::invalid_argument("the name is empty (is a variable not set?)");
-  const std::string word = in_given_letters(text, words);
+  const std::string word =
+      !text.empty() && text == former.first ? std::string(former.second) : in_given_letters(text, words);
   if (!parse) std::visit(Putting{*this, word}, value);
   if (parse && !parse(word)) throw std::invalid_argument(not_among(text, *this));
 }

@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -74,6 +75,8 @@ struct Option {
   Value value;
   Parse parse = {};                     ///< Used instead of `value`.
   std::vector<std::string> words = {};  ///< All words that are allowed; empty if any is.
+  /// A word that is read as another one: what that was called in earlier versions. Help does not show it.
+  std::pair<std::string_view, std::string_view> former = {};
   WordList suggested = {};              ///< Of an option that takes any word: what completions offer.
   std::string_view group = {};          ///< The heading in help.
   std::optional<Range> range = {};

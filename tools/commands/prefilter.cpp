@@ -354,7 +354,8 @@ Action define_prefilter(Options& o) {
   o.group = groups::quality;
   o.add("--max-error", "E", &r->max_error, {1e-7, 10},
         "Largest error of a texel, rounding included (default: 1e-3 + rounding)");
-  o.add("--method", one_of(r->map.method, method_names), "{} (default: auto)");
+  o.add("--method", one_of(r->map.method, method_names), "{} (default: auto)").former = {
+      former_name_of_treecode, method_names[std::size_t(Method::treecode)]};
   add_write_options(o, r->write);
   o.group = "BRDF table";
   o.add("--brdf-table", "FILE", &r->table,

@@ -64,7 +64,7 @@ Outcome prefiltered(const EnvironmentMap& map, const Prefilter& wanted) {
 
 void add_prefilters(const EnvironmentMap& map, const Prefilter& wanted, Task& task) {
   lobe_of(wanted);  // Throws where there is none.
-  for (const Method method : {Method::hierarchical, Method::automatic}) {
+  for (const Method method : {Method::treecode, Method::automatic}) {
     for (const double error : {1e-1, 1e-2, 1e-3, 1e-4}) {
       Prefilter how = wanted;
       how.method = method, how.max_error = error;
@@ -76,9 +76,9 @@ void add_prefilters(const EnvironmentMap& map, const Prefilter& wanted, Task& ta
   constexpr double few = 1e8;
   const bool summed = texel_count(wanted.to, wanted.size) * texel_count(map.projection(), map.base().height()) <= few;
   task.reference =
-      summed ? "--method exact" : "--method hierarchical --max-error 1e-5, within 1e-5 of the exact sum in every texel";
+      summed ? "--method exact" : "--method treecode --max-error 1e-5, within 1e-5 of the exact sum in every texel";
   Prefilter reference = wanted;
-  reference.method = summed ? Method::exact : Method::hierarchical, reference.max_error = 1e-5;
+  reference.method = summed ? Method::exact : Method::treecode, reference.max_error = 1e-5;
   task.truth = [&map, reference] { return prefiltered(map, reference); };
 }
 

@@ -21,9 +21,9 @@ struct Job {
 };
 
 // Nanoseconds of two cores, measured, for each unit of work (work.h).
-constexpr double grid_node = 80;           // Of the finest grid, rows squared: all grids of a source.
-constexpr double interpolated = 150;       // An output from a grid, or a node from a coarser one.
-constexpr double tap = 0.07;               // A node of a window, by a kernel at hand.
+constexpr double grid_node = 80;                      // Of the finest grid, rows squared: all grids of a source.
+constexpr double interpolated = 150;                  // An output from a grid, or a node from a coarser one.
+constexpr double tap = 0.07;                          // A node of a window, by a kernel at hand.
 constexpr double ggx_value = 0.6, power_value = 0.9;  // By a kernel at an output.
 constexpr double core_point = 0.65, power_texel = 1.6;
 
@@ -34,7 +34,7 @@ double core_cost(const Job& job, const LevelKernel& core) {
     // Texels of cubes, and those near poles, take 16 points on each of 1, 4 or 16 panels.
     const double side = pi / job.rows(), fall = side * double(core.power * core.part) * (reach + side) / core.uneven;
     const double by_points = 26 * (fall <= 1 ? 1 : fall <= 2 ? 4 : 16);
-    const double polar = job.cube() ? 1 : 1 - std::cos(std::min(0.5 * pi, 64 * side + reach));
+    const double polar = job.cube() ? 1 : 1 - portable::cos(std::min(0.5 * pi, 64 * side + reach));
     return 500 + (power_texel + by_points * polar) * seen;
   }
   const double radius = std::sqrt(2 * double(core.end)) * job.rows() / pi;  // In texels.
@@ -69,13 +69,18 @@ double cost_of(const Job& job, const SheenPlan& plan) {
   return job.texels * 1e5 * portable::pow(rows / 512, 1.5) * portable::pow(std::max(1.0, plan.power / 12.5), 0.45);
 }
 
-double tree_cost(const Job& job, const Lobe& lobe) {
-  if (const auto* sheen = std::get_if<Charlie>(&lobe); sheen && sheen->power > least_sheen_power)
-    return 22 * job.size() + 3e8 +
-           job.texels * 2500 * portable::pow(sheen->power, 2.3) * portable::pow(1e-3 / job.error, 0.93);
-  const double width = std::visit([](const auto& l) { return std::sqrt(l.width() / 0.63); }, lobe);
-  // Tiles of narrow lobes share few nodes.
-  return (width < 0.05 ? 4 : 1) * treecode_cost(job.source, job.texels, job.error, width);
+// A tile goes down the tree, and each of its directions sums its nodes, in lanes of eight.
+double cost_of(const Job& job, const TreecodeLobe& lobe) {
+  constexpr double judged = 18, seen = 2.5, built = 110;
+  const double across = tile_sine(lobe.lobe, job.error),
+               in_tile = std::clamp(across * across * job.texels / (2 * pi), 1.0, 64.0);
+  double each = nodes_of_output(lobe.lobe, job.error) * (judged / in_tile + seen * std::max(1.0, 8 / in_tile));
+  double once = built * job.size();
+  if (lobe.has_hinges()) {
+    once += (job.cube() ? 55 : 6) * job.size();
+    each += (job.cube() ? 7000 : 4000) * std::sqrt(std::sqrt(lobe.hinges.integral()));
+  }
+  return once + job.texels * each;
 }
 
 // The quickest plan: a core takes what is too narrow for the finest grid, and the rows of that are free.
@@ -101,18 +106,39 @@ Choice choose(const Lobe& lobe, const Level& source, double texels, double error
     if (best.method == Method::exact || c.cost < best.cost) best = std::move(c);
   };
   const auto hinges = hinge_polynomial(lobe);
-  if (hinges && wanted != Method::hierarchical)
-    take({.method = Method::prefix_sums, .cost = cost_of(job, *hinges), .hinges = hinges, .plan = {}, .sheen = {}});
+  if (hinges && wanted != Method::treecode)
+    take({.method = Method::prefix_sums,
+          .cost = cost_of(job, *hinges),
+          .hinges = hinges,
+          .plan = {},
+          .sheen = {},
+          .tree = {}});
   if (!hinges && (any || wanted == Method::multilevel)) {
     double cost = 0;
     if (serves_multilevel(source))
       if (auto plan = quickest_plan(job, lobe, cost))
-        take({.method = Method::multilevel, .cost = cost, .hinges = {}, .plan = std::move(plan), .sheen = {}});
+        take({.method = Method::multilevel,
+              .cost = cost,
+              .hinges = {},
+              .plan = std::move(plan),
+              .sheen = {},
+              .tree = {}});
     if (const auto sheen = sheen_plan(lobe, error))
-      take({.method = Method::multilevel, .cost = cost_of(job, *sheen), .hinges = {}, .plan = {}, .sheen = sheen});
+      take({.method = Method::multilevel,
+            .cost = cost_of(job, *sheen),
+            .hinges = {},
+            .plan = {},
+            .sheen = sheen,
+            .tree = {}});
   }
-  if (wanted == Method::hierarchical || best.method == Method::exact || (any && job.size() <= most_tree_texels))
-    take({.method = Method::hierarchical, .cost = tree_cost(job, lobe), .hinges = {}, .plan = {}, .sheen = {}});
+  if (wanted == Method::treecode || best.method == Method::exact || (any && job.size() <= most_tree_texels))
+    if (auto tree = treecode_lobe(lobe))
+      take({.method = Method::treecode,
+            .cost = cost_of(job, *tree),
+            .hinges = {},
+            .plan = {},
+            .sheen = {},
+            .tree = std::move(tree)});
   return best;
 }
 

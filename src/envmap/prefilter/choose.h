@@ -8,15 +8,17 @@
 #include "envmap/prefilter/multilevel.h"
 #include "envmap/prefilter/prefilter.h"
 #include "envmap/prefilter/sheen_sum.h"
+#include "envmap/prefilter/treecode_lobe.h"
 
 namespace envmap::prefiltering {
 
 struct Choice {
   Method method = Method::exact;
-  double cost = 0;  ///< About, in nanoseconds of two cores, with what the source takes.
+  double cost = 0;                        ///< About, in nanoseconds of two cores, with what the source takes.
   std::optional<HingePolynomial> hinges;  ///< Of prefix sums.
   std::optional<MultilevelPlan> plan;     ///< Of multilevel sums,
   std::optional<SheenPlan> sheen;         ///< or those of sheen.
+  std::optional<TreecodeLobe> tree;       ///< Of the treecode.
 };
 
 /// @param texels of the whole result. @param wanted a method, or the quickest that serves.

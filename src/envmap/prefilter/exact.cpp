@@ -1,4 +1,3 @@
-#include "envmap/prefilter/work.h"
 #include "envmap/prefilter/exact.h"
 
 #include <algorithm>
@@ -11,6 +10,7 @@
 #include "envmap/maths/sum.h"
 #include "envmap/prefilter/border.h"
 #include "envmap/prefilter/exact_kernels.h"
+#include "envmap/prefilter/work.h"
 #include "envmap/projection/visit.h"
 
 namespace envmap::prefiltering {

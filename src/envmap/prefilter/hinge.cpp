@@ -5,10 +5,9 @@
 #include <limits>
 #include <variant>
 
-#include "envmap/prefilter/error_floor.h"
 #include "envmap/prefilter/cell.h"
+#include "envmap/prefilter/error_floor.h"
 #include "envmap/prefilter/hinge_kernels.h"
-#include "envmap/prefilter/treecode.h"
 #include "envmap/prefilter/work.h"
 
 namespace envmap::prefiltering {

@@ -11,7 +11,8 @@ namespace envmap::prefiltering {
 
 namespace {
 
-// One row of texels as its share in the columns of a grid. Columns a period apart have the same weights, some texels on.
+// One row of texels as its share in the columns of a grid. Columns a period apart have the same weights, some
+// texels on.
 class Across {
  public:
   Across(int width, int columns) : period_(columns / std::gcd(width, columns)), step_(width / (columns / period_)) {
@@ -47,7 +48,8 @@ class Across {
     some.resize(out.size() / std::size_t(period_));
     for (std::size_t n = 0; n < phases_.size(); ++n) {
       const std::span to = period_ == 1 ? out : std::span(some);
-      dot_products(std::span(padded).subspan(std::size_t(phases_[n].first)), std::size_t(step_), phases_[n].weights, to);
+      dot_products(std::span(padded).subspan(std::size_t(phases_[n].first)), std::size_t(step_), phases_[n].weights,
+                   to);
       if (period_ > 1)
         for (std::size_t k = 0; k < to.size(); ++k) out[k * std::size_t(period_) + n] = to[k];
     }

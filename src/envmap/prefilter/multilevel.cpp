@@ -1,4 +1,3 @@
-#include "envmap/prefilter/error_floor.h"
 #include "envmap/prefilter/multilevel.h"
 
 #include <algorithm>
@@ -8,6 +7,7 @@
 #include <utility>
 
 #include "envmap/base/parallel.h"
+#include "envmap/prefilter/error_floor.h"
 
 namespace envmap::prefiltering {
 

@@ -95,8 +95,8 @@ Flux SumOfRows(const NodeGrid& grid, const GatherRoom& room, Weights weights) {
   return total.whole();
 }
 
-// Taps x values in windows of N nodes of a row of 2^k columns x some: of node `by` from the one that the windows are of,
-// and of every `step`-th after it. Nodes share the taps of a row.
+// Taps x values in windows of N nodes of a row of 2^k columns x some: of node `by` from the one that the windows are
+// of, and of every `step`-th after it. Nodes share the taps of a row.
 template <std::size_t N>
 void SumOfTaps(const NodeGrid& grid, const GatherRoom& room, int columns, int by, int step, double scale, Flux* out) {
   const D d;

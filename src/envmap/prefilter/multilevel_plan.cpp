@@ -3,9 +3,8 @@
 #include <cmath>
 
 #include "envmap/maths/portable.h"
-#include "envmap/prefilter/multilevel.h"
 #include "envmap/prefilter/error_floor.h"
-#include "envmap/prefilter/treecode.h"
+#include "envmap/prefilter/multilevel.h"
 
 namespace envmap::prefiltering {
 

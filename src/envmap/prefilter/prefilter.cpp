@@ -18,8 +18,8 @@
 #include "envmap/operate/convert.h"
 #include "envmap/operate/measure.h"
 #include "envmap/operate/refuse_flaws.h"
-#include "envmap/prefilter/error_floor.h"
 #include "envmap/prefilter/choose.h"
+#include "envmap/prefilter/error_floor.h"
 #include "envmap/prefilter/exact.h"
 #include "envmap/prefilter/hinge.h"
 #include "envmap/prefilter/prepared_source.h"
@@ -77,6 +77,8 @@ Method make_fast(PreparedSource& from, const Prefilter& wanted, const Lobe& lobe
   const double mean = from.light.mean;
   if (mean <= 0)
     std::ranges::fill(map.bounds, 0.F);
+  else if (how.method == Method::exact)
+    return Method::exact;
   else if (how.hinges)
     hinge_map(from.hinges(how.hinges->order(), error), *how.hinges, error, mean, map);
   else if (how.plan)
@@ -84,7 +86,8 @@ Method make_fast(PreparedSource& from, const Prefilter& wanted, const Lobe& lobe
   else if (how.sheen)
     sheen_map(*how.sheen, from.sheen(how.sheen->texel()), mean, map);
   else
-    treecode_prefilter(from.tree(), lobe, error, map);
+    treecode_map(from.tree(), how.tree->has_hinges() ? &from.hinges(how.tree->hinges.order(), error) : nullptr,
+                 *how.tree, error, map);
   return how.method;
 }
 

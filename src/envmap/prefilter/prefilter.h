@@ -25,8 +25,10 @@ enum class Shape { diffuse, phong, ggx, blinn_phong, charlie };
 inline constexpr std::string_view shape_names[] = {Cosine::name, Phong::name, Ggx::name, BlinnPhong::name,
                                                    Charlie::name};
 
-enum class Method { automatic, exact, hierarchical, prefix_sums, multilevel };
-inline constexpr std::string_view method_names[] = {"auto", "exact", "hierarchical", "prefix-sums", "multilevel"};
+enum class Method { automatic, exact, treecode, prefix_sums, multilevel };
+inline constexpr std::string_view method_names[] = {"auto", "exact", "treecode", "prefix-sums", "multilevel"};
+/// What the treecode was called up to version 1.0.
+inline constexpr std::string_view former_name_of_treecode = "hierarchical";
 
 /// NaN: a lobe that has a parameter is refused without one.
 inline constexpr double unset_parameter = std::numeric_limits<double>::quiet_NaN();
@@ -59,7 +61,7 @@ struct Prefiltered {
   EnvironmentMap map;
   Method method;  ///< Never automatic: that of most texels.
   double seconds = 0;
-  /// The largest figure of a texel, relative to it or to `floor`; 0 for exact sums and copied texels.
+  /// The largest bound of a texel, relative to it or to `floor`; 0 for exact sums and copied texels.
   double error = 0;
   double floor = 0;        ///< 0.001 x the solid-angle mean of the source, times k: smaller results are held to it.
   std::int64_t exact = 0;  ///< Texels that were summed exactly, since nothing faster was sure enough of them.
@@ -99,10 +101,10 @@ class PrefilterSource {
   /// What is prefiltered, radiance constant over each texel, and what errors are counted from: the map or its cube.
   [[nodiscard]] const EnvironmentMap& source() const;
 
-  /// Makes one map. Every texel has a figure of what it may be off. `automatic` takes prefix sums for maps of few
-  /// texels and a lobe that is a power 1, 2 or 3 of the cosine (HingePolynomial::is_quick()), multilevel sums for
-  /// narrow lobes (MultilevelPlan::is_quick()) and for narrow sheen (SheenPlan::is_quick()), and a treecode
-  /// (`hierarchical`) for the rest. Texels whose figure is over the error wanted are summed exactly.
+  /// Makes one map. Every texel has a bound of its error: proved, but for multilevel sums, whose bound has a factor of
+  /// the lobe that was measured. `automatic` takes the method of the least predicted cost (choose.h). Texels whose
+  /// bound
+  /// is over the error wanted are summed exactly.
   /// @throws UsageError where a field is out of its range (bounds.h).
   Prefiltered make(const Prefilter& wanted, const Run& run = {}) const;
 

@@ -22,7 +22,7 @@ const Colour& PreparedSource::darkest() {
 }
 
 const Tree& PreparedSource::tree() {
-  if (!tree_) tree_.emplace(small_texels(), light.mean, small_texels().height() / texels().height());
+  if (!tree_) tree_.emplace(small_texels(), light.mean);
   return *tree_;
 }
 

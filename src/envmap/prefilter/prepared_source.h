@@ -9,7 +9,7 @@
 #include "envmap/operate/measure.h"
 #include "envmap/prefilter/multilevel.h"
 #include "envmap/prefilter/sheen_blocks.h"
-#include "envmap/prefilter/tree.h"
+#include "envmap/prefilter/treecode_tree.h"
 
 namespace envmap::prefiltering {
 

@@ -11,20 +11,21 @@
 namespace envmap::prefiltering {
 
 enum class Work {
-  kernels,     ///< Values of a kernel at nodes of grids.
-  taps,        ///< Nodes times a kernel that was at hand.
-  nodes,       ///< Interpolations of a grid.
-  core_points, ///< Values of a kernel at points of texels.
-  hinge_rows,  ///< Rows of cells above a horizon.
-  hinge_cells, ///< Cells that a horizon cuts.
-  hinge_parts, ///< Texels that it cuts, and parts of them.
-  judged,      ///< Nodes of a tree that were asked whether they are good enough.
-  seen,        ///< Nodes times directions.
-  sheen,       ///< Texels along a horizon of sheen, and points of blocks.
-  exact,       ///< Texels times directions that were summed exactly.
+  kernels,      ///< Values of a kernel at nodes of grids.
+  taps,         ///< Nodes times a kernel that was at hand.
+  nodes,        ///< Interpolations of a grid.
+  core_points,  ///< Values of a kernel at points of texels.
+  hinge_rows,   ///< Rows of cells above a horizon.
+  hinge_cells,  ///< Cells that a horizon cuts.
+  hinge_parts,  ///< Texels that it cuts, and parts of them.
+  judged,       ///< Nodes of a tree that were asked whether they are good enough.
+  seen,         ///< Nodes times directions.
+  sheen,        ///< Texels along a horizon of sheen, and points of blocks.
+  exact,        ///< Texels times directions that were summed exactly.
 };
-inline constexpr std::string_view work_names[] = {"kernels", "taps", "nodes", "core_points", "hinge_rows", "hinge_cells",
-                                                  "hinge_parts", "judged", "seen", "sheen", "exact"};
+inline constexpr std::string_view work_names[] = {"kernels",    "taps",        "nodes",       "core_points",
+                                                  "hinge_rows", "hinge_cells", "hinge_parts", "judged",
+                                                  "seen",       "sheen",       "exact"};
 inline constexpr std::size_t kinds_of_work = std::size(work_names);
 using WorkDone = std::array<std::uint64_t, kinds_of_work>;
 
