@@ -11,6 +11,8 @@
 #include <vector>
 
 #include "envmap/base/export.h"
+#include "envmap/io/claim.h"
+#include "envmap/io/colour.h"
 #include "envmap/io/depth.h"
 
 namespace ENVMAP_EXPORT envmap {
@@ -41,21 +43,31 @@ enum class Orientation {
   left_bottom
 };
 
+/// What the values of a file are, as it says itself by a profile, code points or a gamma.
+struct StatedColour {
+  ClaimedSpace space = {};  ///< For people; its primaries are those of the light that `decode` makes.
+  /// Values as they are stored become linear light, in place. Empty: they are linear.
+  std::function<void(std::span<Colour>)> decode = {};
+  std::optional<float> white_luminance = {};  ///< Of radiance (1,1,1), where the curve tells it.
+};
+
 /// What a file says of an image, or of one level of it.
 struct ImageFacts {
   int width = 0, height = 0;
   int tile_width = 0, tile_height = 0;  ///< 0: the image is in lines, not in tiles.
   bool flat = true;                     ///< One sample for each pixel and channel: neither deep nor a volume.
-  bool encoded = false;                 ///< Its values are sRGB encoded.
+  bool encoded = false;                 ///< Its values are sRGB encoded, where `colour` says nothing else.
   bool names = true;                    ///< Channel names tell what channels are; else the first three are R, G and B.
   Depth depth = Depth::single;
   std::vector<std::string> channels = {};  ///< R, G and B, where they are there, follow each other.
   Attributes attributes = {};
   Provenance provenance = {};  ///< The colours alone: texts are attributes.
+  std::optional<StatedColour> colour = {};
   Orientation orientation = Orientation::upright;
   int chosen = 0;  ///< So many channels, the first, were asked for: 3, or 1 that is grey. 0: their names tell.
   std::vector<std::string> notes = {};    ///< What of the file is not read, or was added, for people.
   std::vector<std::string> details = {};  ///< What reading did to the values.
+  std::vector<Claim> claims = {};         ///< What the file states, beside `orientation` and `provenance`.
 };
 
 /// What to read of a file that holds several images; where a text is empty nothing is said.

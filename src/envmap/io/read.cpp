@@ -99,7 +99,8 @@ Source read_head(const Image& image, const ReadOptions& options, Metadata& recor
             .format = t.container,
             .image_width = t.width,
             .image_height = t.height,
-            .levels = t.levels};
+            .levels = t.levels,
+            .claims = t.claims};
   }
   const ImageFacts& facts = image.reader->facts;
   check_size(image, options);
@@ -111,7 +112,8 @@ Source read_head(const Image& image, const ReadOptions& options, Metadata& recor
           .border_samples = has_border_samples(facts.attributes) && !options.ignore_envmap_attribute,
           .levels = recorded.levels.value_or(std::numeric_limits<int>::max()),
           .notes = facts.notes,
-          .details = facts.details};
+          .details = facts.details,
+          .claims = facts.claims};
 }
 
 // Levels that a file has, at most.
@@ -158,7 +160,7 @@ Source read_image(Image& image, const std::string& path, const ReadOptions& opti
   source.layout = found.layout;
   source.facts = recorded.facts;
   source.provenance = recorded.provenance;
-  source.claimed = claimed_space(image, recorded, options.colour);
+  tell_colours(source, image, claimed_space(image, recorded, options.colour), options.colour);
   source.border = border_of(image, options, recorded, found);
   const bool in_files = has_level(path);
   // A texture counts the levels that it holds itself.
@@ -228,7 +230,8 @@ Level read_face_files(const std::string& path, const FaceFiles& files, const Rea
       source.format = head.format;
       source.provenance = recorded.provenance;
       source.image_width = source.image_height = size;
-      source.claimed = claimed_space(image, recorded, options.colour);
+      source.claims = head.claims;
+      tell_colours(source, image, claimed_space(image, recorded, options.colour), options.colour);
       source.facts = recorded.facts;
     }
     if (number == 0)
@@ -341,7 +344,7 @@ Source read_photo(Image& image, const ReadOptions& options, const Progress& prog
   Metadata recorded;
   Source source = read_head(image, options, recorded);
   source.provenance = recorded.provenance;
-  source.claimed = claimed_space(image, recorded, options.colour);
+  tell_colours(source, image, claimed_space(image, recorded, options.colour), options.colour);
   source.border_samples = false, source.levels = 1;
   const FaceSize whole{source.image_width, source.image_height};
   source.map.levels.push_back(

@@ -50,7 +50,7 @@ struct Source {
   EnvironmentMap map = {};
   Layout layout = Layout::single;
   Depth depth = Depth::single;
-  std::string format = {};  ///< openexr, hdr, ktx, ktx2, dds, ...; else OpenImageIO's name for it.
+  std::string format = {};          ///< openexr, hdr, ktx, ktx2, dds, ...; else OpenImageIO's name for it.
   bool forward_is_assumed = false;  ///< Neither the file nor the caller says what axis is at the centre.
   int image_width = 0, image_height = 0;
   bool border_samples = false;  ///< OpenEXR's `envmap` convention; resampled to cell centres here.
@@ -63,6 +63,7 @@ struct Source {
   std::int64_t repaired = 0;                   ///< Texels that FlawPolicy::repair changed.
   std::vector<std::string> notes = {};         ///< What of the file is not read, or was added.
   std::vector<std::string> details = {};       ///< What reading did to the values, such as dividing an exposure out.
+  std::vector<Claim> claims = {};              ///< What the file states, and what became of it.
 };
 
 /// @param path a file, `-` for standard input, or a name with `{face}` for six files, `{half}` for

@@ -52,6 +52,12 @@ void read_band(const Image& image, int level, const Channels& channels, int begi
     for (std::size_t k = 0; k < out.size(); ++k) out[k] = Colour(last[k]);
 }
 
+// Stored values -> linear light.
+void decode(const ImageFacts& facts, std::span<Colour> rows) {
+  if (!facts.colour && facts.encoded) decode_srgb(rows);
+  if (facts.colour && facts.colour->decode) facts.colour->decode(rows);
+}
+
 // The limit where the map would take more than half of it; else none.
 std::size_t scratch(std::size_t max_memory, const ImageFacts& image) {
   const auto texels = std::size_t(image.width) * std::size_t(image.height);
@@ -89,7 +95,7 @@ Level read_pixels(const Image& image, const ReadOptions& options, int stored, co
     const int end = std::min(begin + band_rows, facts.height);
     const auto rows = std::span(band).first(std::size_t(end - begin) * std::size_t(facts.width));
     read_band(image, stored, channels, begin, end, rows);
-    if (facts.encoded && image.decode) decode_srgb(rows);
+    if (image.decode) decode(facts, rows);
     if (!level) level.emplace(base.projection, face.height, face.width, scratch(options.max_memory, facts));
     scatter(rows, facts.width, begin, end, places, *level);
     level->trim();

@@ -30,7 +30,8 @@ struct TextureFile {
   bool cube = false;
   bool bottom_up = false;  ///< The first row of an image is its lowest.
   Metadata recorded = {};
-  KhrColour colour = {};  ///< Of KTX2.
+  std::vector<Claim> claims = {};  ///< As ImageFacts::claims.
+  KhrColour colour = {};           ///< Of KTX2.
   /// Bytes of a level: its rows (of texels or blocks) without padding, face after face +X -X +Y -Y +Z -Z. @throws
   /// InputError without file name.
   std::function<std::vector<std::byte>(const InputFile& file, int level)> bytes;

@@ -1,0 +1,57 @@
+/// @file
+/// The table of what files state: a row for each format and claim. Rows make their files here, from the formats'
+/// specifications, and know the right values by closed form.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace command_tests {
+
+enum class Becomes { honoured, refused, ignored };
+
+struct ClaimRow {
+  std::string format;  ///< The title in envmap-files(7): "PNG".
+  std::string claim;   ///< As `info` names it.
+  Becomes becomes;
+  std::string name, bytes;              ///< Of the file. Its texels are all of one colour, unless `minimum` is set.
+  std::array<double, 3> value = {};     ///< Mean; where the claim is refused nothing.
+  std::vector<std::string> words = {};  ///< In the message of a refusal, or in the claim's value.
+  double tolerance = 1e-4;              ///< Of a value, relative.
+  std::vector<std::string> options = {};
+};
+
+std::vector<ClaimRow> claims_of_colour();
+std::vector<ClaimRow> claims_of_place();
+
+// ---- bytes ----------------------------------------------------------------------------------------------------------
+
+std::string big(std::uint64_t number, int bytes);
+std::string little(std::uint64_t number, int bytes);
+/// IEEE 754 single.
+std::string little_float(float value);
+
+struct TiffTag {
+  unsigned tag, type;  ///< TIFF 6.0, section 2: 2 ASCII, 3 SHORT, 4 LONG, 5 RATIONAL, 7 UNDEFINED, 11 FLOAT.
+  std::uint64_t count;
+  std::string value;  ///< Little-endian.
+};
+
+/// A TIFF of one strip. @param tags beside those of size, strip and planes; they replace tags of the same number.
+std::string tiff(int width, int height, int samples, int bits, const std::string& strip,
+                 const std::vector<TiffTag>& tags);
+
+/// A chunk with its length and its checksum.
+std::string png_chunk(const std::string& type, const std::string& data);
+/// RGB. @param chunks between IHDR and IDAT.
+std::string png(int width, int height, int bits, const std::array<unsigned, 3>& colour, const std::string& chunks);
+
+/// A zlib stream without compression.
+std::string stored_zlib(const std::string& bytes);
+
+/// RGBE texels of one value, all in a row without run lengths. @param header lines, each ended.
+std::string radiance(const std::string& header, int width, int height, const std::array<int, 4>& rgbe);
+
+}  // namespace command_tests
