@@ -32,14 +32,17 @@ constexpr std::int64_t most = 1 << 20;  // Texels that are looked at.
 void read_texture_levels(const Image& image) {
   const TextureFile& t = *image.texture;
   for (int k = 0; k < t.levels; ++k) {
-    const TexelFormat& format = format_of(t.texels);
+    const TexelFormat format = t.format();
     const int width = t.level_width(k), height = t.level_height(k), faces = t.cube ? 6 : 1;
     if (std::int64_t{width} * height * faces > most) continue;
     const std::vector<std::byte> stored = t.bytes(*image.file, k);
     if (stored.size() != std::uint64_t(faces) * t.image_bytes(k)) std::abort();
     std::vector<Colour> out(std::size_t(width * format.side));
     for (std::size_t at = 0; at < stored.size(); at += format.row_bytes(width))
-      (void)decode(t.texels, std::span(stored).subspan(at, format.row_bytes(width)), out);
+      if (t.packing.bytes > 0)
+        (void)decode(t.packing, std::span(stored).subspan(at, format.row_bytes(width)), out);
+      else
+        (void)decode(t.texels, std::span(stored).subspan(at, format.row_bytes(width)), out);
   }
 }
 

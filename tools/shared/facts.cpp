@@ -161,7 +161,8 @@ FactLines lines_of(const MapFacts& f) {
   const std::int64_t touching = m.brightest_texels;
   line("", fmt::format("azimuth {:.1f} degrees from +Z towards +X, elevation {:.1f}{}{}", azimuth, elevation,
                        touching > 1 ? fmt::format(": the middle of {} equal texels", touching) : "",
-                       same > 1 ? fmt::format("; {} texels hold the maximum (clipped?)", same) : ""));
+                       same > 1 ? fmt::format("; {} texels hold the maximum: clipped, or a light of one value", same)
+                                : ""));
   if (m.brightest > 0)
     line("", fmt::format("convert --rotate={:.6g},0,0 turns its azimuth to +Z, --rotate sun:+z turns it to +Z",
                          0.0 - azimuth));

@@ -116,7 +116,13 @@ constexpr FileFormat directx{
     .is_head = [](Head h) { return h.starts_with("DDS "); },
     .levels = true,
     .texture = true,
-    .open = [](Image& i, const ImageChoice&) { i.texture = open_dds(*i.file); },
+    .open =
+        [](Image& i, const ImageChoice&) {
+          if (i.for_texture)
+            check_dds(*i.file);
+          else
+            i.texture = open_dds(*i.file);
+        },
     .write = write_dds,
     .least_bytes = texture_bytes,
 };
@@ -138,13 +144,13 @@ constexpr FileFormat gltf_light{
     .title = "glTF light",
     .extensions = glb,
     .depths = rgbd,
-    .is_head = is_glb,
+    .is_head = is_gltf,
     .frame = true,
     .levels = true,
     .texture = true,
     .cubes_alone = true,
     .irradiance = true,
-    .open = [](Image& i, const ImageChoice&) { i.texture = open_gltf_light(*i.file); },
+    .open = [](Image& i, const ImageChoice&) { i.texture = open_gltf_light(*i.file, i.name); },
     .write = write_gltf_light,
 };
 constexpr FileFormat portable_network{

@@ -19,7 +19,8 @@ void Image::read(int level, int begin, int end, int first, int count, std::span<
   try {
     reader->read(level, begin, end, first, count, out);
   } catch (const InputError& e) {
-    fail(std::string("truncated or damaged: ") + e.what());
+    const std::string why = e.what();
+    fail(why.starts_with("not supported") ? why : "truncated or damaged: " + why);
   }
 }
 
@@ -37,7 +38,9 @@ void naming(const Image& image, const std::string& before, F&& action) {
   try {
     action();
   } catch (const InputError& e) {
-    image.fail(before + e.what(), e.remedy());
+    // A sound file of a kind that is not read is an image all the same.
+    const std::string why = e.what();
+    image.fail(why.starts_with("not supported") ? why : before + why, e.remedy());
   }
 }
 

@@ -81,6 +81,10 @@ ImageFacts facts_of(const OIIO::ImageSpec& spec, const OIIO::ImageInput& input) 
     if (p.type() == OIIO::TypeDesc::STRING) f.attributes.emplace(p.name().string(), p.get_string());
   // Only in OpenEXR files do its environment maps have samples on their border.
   if (spec.get_int_attribute("oiio:sampleborder") == 0) f.attributes.erase("textureformat");
+  // Of planes a strip is read from its first row on: the rows of a strip go together, as those of tiles do.
+  const int rows = spec.get_int_attribute("tiff:RowsPerStrip", 0);
+  if (spec.get_string_attribute("planarconfig") == "separate" && spec.tile_width == 0 && rows > 0)
+    f.tile_width = spec.width, f.tile_height = std::min(rows, spec.height);
   const int orientation = spec.get_int_attribute("Orientation", 1);
   if (orientation >= 1 && orientation <= 8) f.orientation = static_cast<Orientation>(orientation);
   return f;

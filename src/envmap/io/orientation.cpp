@@ -92,13 +92,13 @@ Rows stored_rows(const Rows& rows, int face, Orientation o) {
   return stored;
 }
 
-void copy_upright(const Level& stored, Orientation o, Level& map, int face) {
+void copy_upright(const Level& stored, int stored_face, Orientation o, Level& map, int face) {
   const int n = map.height();
   parallel_for(n, [&](int y) {
     const auto to = map.row(face, y);
     for (int x = 0; x < n; ++x) {
       const auto [column, row] = place_in_file(o, n, n, x, y);
-      to[std::size_t(x)] = stored.row(0, row)[std::size_t(column)];
+      to[std::size_t(x)] = stored.row(stored_face, row)[std::size_t(column)];
     }
   });
 }

@@ -12,7 +12,9 @@
 namespace envmap {
 namespace {
 
-bool is_srgb(const TextureFile& t) { return t.texels == Texels::rgb8_srgb || t.texels == Texels::rgba8_srgb; }
+bool is_srgb(const TextureFile& t) {
+  return t.texels == Texels::rgb8_srgb || t.texels == Texels::rgba8_srgb || t.texels == Texels::packed_srgb;
+}
 
 // The words of the file itself, before its format is asked.
 ClaimedSpace written_space(const Metadata& recorded, const Attributes& texts, const std::string& format) {
@@ -59,6 +61,7 @@ ClaimedSpace claimed_space(Image& image, const Metadata& recorded, const ColourO
                        Remedy::choose_space);
   }
   image.decode = options.space.empty();
+  if (image.texture && image.texture->by_integers && image.decode) return {"sRGB", rec709, "integers", true};
   if (image.texture || !image.decode) return written;
   // A word of ours may outlive a change of the values, but where it agrees with what other programs read it is exact.
   const std::optional<StatedColour>& stated = image.reader->facts.colour;

@@ -34,6 +34,9 @@ class PngFile {
   template <class Calls>
   void run(const Calls& calls) {
     if (setjmp(png_jmpbuf(png_)) == 0) return calls(png_, info_);
+    if (const std::size_t end = message_.find(": unhandled critical chunk"); end != message_.npos)
+      throw InputError("not supported: PNG with the chunk " + message_.substr(0, end) +
+                       ", which changes the image: save it again by a program that knows this chunk, as a plain PNG");
     throw InputError(message_);
   }
 

@@ -31,8 +31,7 @@ std::optional<ImageReader> open_jpeg(const InputFile& file);
 std::optional<ImageReader> open_tiff(const InputFile& file);
 
 /// A map (Debevec, "The portable float map") of either byte order. Values are multiplied by the scale.
-/// @return nothing where the header has comments or other line ends.
-std::optional<ImageReader> open_pfm(const InputFile& file);
+ImageReader open_pfm(const InputFile& file);
 
 /// What OpenImageIO 2.4 reads but does not write. Little-endian, bottom row first.
 void write_pfm(OutputFile& file, std::span<const Atlas> levels, const TexturePlan& plan, const Progress& progress);
