@@ -94,7 +94,7 @@ void add_read_options(Options& o, ReadOptions& r) {
       .excludes = "--layer";
   o.flag("--crop", r.choice.crop, "EXR, TIFF: read the data window as the whole image");
   o.flag("--ignore-envmap-attribute", r.ignore_envmap_attribute,
-         "Treat samples as texel centres (--border-samples: as on the image border)");
+         "Treat samples as texel centres, see also --border-samples");
   Option& border = o.flag("--border-samples", r.border_samples,
                           "Treat samples as lying on the image border, as OpenEXR's envmap attribute says");
   border.excludes = "--ignore-envmap-attribute", border.folded = true;
