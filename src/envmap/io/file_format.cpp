@@ -9,6 +9,7 @@
 
 #include "envmap/base/words.h"
 #include "envmap/io/containers.h"
+#include "envmap/io/heif_colour.h"
 #include "envmap/io/image.h"
 #include "envmap/io/png.h"
 #include "envmap/io/radiance.h"
@@ -155,7 +156,7 @@ constexpr FileFormat portable_network{
     .is_head = [](Head h) { return h.starts_with("\x89PNG"); },
     .frame = true,
     .abilities = FileFormat::picture | FileFormat::encoded_values,
-    .open = [](Image& i, const ImageChoice&) { i.reader = open_png(*i.file, i.for_texture); },
+    .open = [](Image& i, const ImageChoice&) { i.reader = open_png(*i.file, i.for_texture, &i.found); },
     .create = create_png,
 };
 
@@ -167,7 +168,7 @@ constexpr FileFormat tagged_images{
     .is_head = [](Head h) { return h.starts_with("II") || h.starts_with("MM"); },
     .frame = true,
     .abilities = FileFormat::table | FileFormat::window | FileFormat::encoded_values,
-    .open = [](Image& i, const ImageChoice&) { i.reader = open_tiff(*i.file); },
+    .open = [](Image& i, const ImageChoice&) { i.reader = open_tiff(*i.file, &i.found); },
 };
 constexpr FileFormat photographs{
     .name = "jpeg",
@@ -176,8 +177,8 @@ constexpr FileFormat photographs{
     .depths = bytes,
     .is_head = [](Head h) { return h.starts_with("\xff\xd8"); },
     .frame = true,
-    .abilities = FileFormat::picture | FileFormat::encoded_values,
-    .open = [](Image& i, const ImageChoice&) { i.reader = open_jpeg(*i.file); },
+    .abilities = FileFormat::picture | FileFormat::encoded_values | FileFormat::gain_map,
+    .open = [](Image& i, const ImageChoice& choice) { i.reader = open_jpeg(*i.file, choice.headroom, i.for_texture); },
 };
 
 // One that OpenImageIO reads and writes.
@@ -196,23 +197,19 @@ bool is_brand(Head h, std::string_view brands) {
   return h.find("ftyp") == 4 && h.size() >= 12 && brands.find(h.substr(8, 4)) != brands.npos;
 }
 
-// What OpenImageIO makes of HEIF files has 8 bits and their own curve: it must be one of a screen (ISO/IEC 23091-2,
-// table 3).
-void check_curve(Image& image, const ImageChoice&) {
-  constexpr unsigned pq = 16, hlg = 18;
+// OpenImageIO makes 8 bits of HEIF files, with the curve that they have.
+void open_heif(Image& image, const ImageChoice& choice) {
   std::string head(std::min<std::uint64_t>(image.file->size(), 1 << 16), '\0');
   head.resize(image.file->pread(head.data(), head.size(), 0));
-  const std::size_t box = head.find("colrnclx");
-  if (box == head.npos || box + 12 > head.size()) return;
-  const unsigned curve =
-      unsigned(static_cast<unsigned char>(head[box + 10])) << 8U | static_cast<unsigned char>(head[box + 11]);
-  if (curve == pq || curve == hlg)
-    throw InputError(
-        fmt::format("holds {} values, which are not read: make an EXR of it first", curve == pq ? "PQ" : "HLG"));
+  read_heif_colours(head, choice.headroom, image.found);
 }
 
 constexpr FileFormat efficiency(std::string_view title, bool (*is_head)(Head)) {
-  return {.name = "heif", .title = title, .is_head = is_head, .open = check_curve};
+  return {.name = "heif",
+          .title = title,
+          .is_head = is_head,
+          .abilities = FileFormat::encoded_values | FileFormat::gain_map,
+          .open = open_heif};
 }
 
 // In the order in which people are told of them.

@@ -290,6 +290,7 @@ Source read_faces(const std::string& path, const ReadOptions& options, const Pro
 void check(const ReadOptions& options) {
   check(limits::level, options.level);
   if (options.border) check(limits::border, *options.border);
+  if (options.choice.headroom) check(limits::headroom, *options.choice.headroom);
   if (options.all_levels && options.level != 0) throw UsageError("level must be 0 where all levels are read");
 }
 

@@ -59,6 +59,9 @@ ClaimedSpace claimed_space(Image& image, const Metadata& recorded, const ColourO
                        Remedy::choose_space);
   }
   image.decode = options.space.empty();
+  if (!image.decode && image.reader && image.reader->facts.colour && image.reader->facts.colour->fixed)
+    throw UsageError(image.name, fmt::format("its {} says what its values are: another space of them makes no sense",
+                                             image.reader->facts.colour->space.by));
   if (image.texture || !image.decode) return written;
   // A word of ours may outlive a change of the values, but where it agrees with what other programs read it is exact.
   const std::optional<StatedColour>& stated = image.reader->facts.colour;

@@ -1,0 +1,51 @@
+#include "envmap/io/heif_colour.h"
+
+#include <fmt/format.h>
+
+#include "envmap/base/error.h"
+#include "envmap/io/code_points.h"
+
+namespace envmap {
+namespace {
+
+unsigned word(std::string_view bytes, std::size_t at) {
+  return unsigned{static_cast<unsigned char>(bytes[at])} << 8U | static_cast<unsigned char>(bytes[at + 1]);
+}
+
+// Kinds of items that hold a gain map: of the standard, and of Apple.
+void check_gain_map(std::string_view head, std::optional<double> headroom, ImageFacts& facts) {
+  for (const std::string_view kind : {"tmap", "urn:com:apple:photo:2020:aux:hdrgainmap"}) {
+    if (head.find(kind) == head.npos) continue;
+    if (!headroom || *headroom > 0)
+      throw InputError(fmt::format("not supported: a gain map ({}) in HEIF or AVIF", kind), Remedy::take_base);
+    facts.claims.push_back({"gain map", std::string(kind), Claim::Outcome::overridden});
+  }
+}
+
+}  // namespace
+
+void read_heif_colours(std::string_view head, std::optional<double> headroom, ImageFacts& facts) {
+  constexpr std::string_view box = "colrnclx";
+  check_gain_map(head, headroom, facts);
+  const bool has_profile = head.find("colrprof") != head.npos || head.find("colrrICC") != head.npos;
+  std::optional<CodePoints> found;
+  for (std::size_t at = head.find(box); at != head.npos && at + box.size() + 6 < head.size();
+       at = head.find(box, at + 1)) {
+    // What is decoded has all of its 8 bits.
+    const CodePoints points{word(head, at + box.size()), word(head, at + box.size() + 2)};
+    if (!points.is_specified()) continue;
+    if (found && (found->primaries != points.primaries || found->transfer != points.transfer))
+      throw InputError(fmt::format("not supported: images of {} and of {} in one file", words(*found), words(points)),
+                       Remedy::choose_space);
+    found = points;
+  }
+  if (!found) return;
+  Claim claim{.name = "nclx", .value = words(*found), .of_colour = true};
+  if (has_profile)
+    claim.outcome = Claim::Outcome::ignored, claim.reason = "the ICC profile comes first";
+  else
+    facts.colour = colour_of(*found, "nclx");
+  facts.claims.push_back(claim);
+}
+
+}  // namespace envmap
