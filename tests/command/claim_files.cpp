@@ -137,21 +137,26 @@ std::string jpeg_segment(int app, const std::string& text) {
   return "\xff" + std::string(1, static_cast<char>(0xe0 + app)) + big(text.size() + 2, 2) + text;
 }
 
-std::string jpeg(int width, int height, const std::array<int, 3>& colour, const std::string& segments, int channels) {
+std::string written_by_openimageio(const std::string& name, int width, int height, const std::array<int, 3>& colour,
+                                   int channels) {
   std::vector<unsigned char> bytes, texels;
   for (int k = 0; k < width * height; ++k)
     for (int c = 0; c < channels; ++c) texels.push_back(static_cast<unsigned char>(colour[std::size_t(c)]));
   OIIO::Filesystem::IOVecOutput file(bytes);
-  const auto writer = OIIO::ImageOutput::create("a.jpg");
+  const auto writer = OIIO::ImageOutput::create(name);
+  if (!writer) return {};
   OIIO::ImageSpec spec(width, height, channels, OIIO::TypeDesc::UINT8);
   void* proxy = &file;
   spec.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
-  spec.attribute("Compression", "jpeg:100");
+  spec.attribute("CompressionQuality", 100);
   spec.attribute("jpeg:subsampling", "4:4:4");
-  writer->open("a.jpg", spec);
-  writer->write_image(OIIO::TypeDesc::UINT8, texels.data());
-  writer->close();
-  const std::string whole(bytes.begin(), bytes.end());
+  if (!writer->open(name, spec) || !writer->write_image(OIIO::TypeDesc::UINT8, texels.data()) || !writer->close())
+    return {};
+  return {bytes.begin(), bytes.end()};
+}
+
+std::string jpeg(int width, int height, const std::array<int, 3>& colour, const std::string& segments, int channels) {
+  const std::string whole = written_by_openimageio("a.jpg", width, height, colour, channels);
   return whole.substr(0, 2) + segments + whole.substr(2);
 }
 

@@ -59,7 +59,10 @@ std::string icc(const std::string& space, const std::string& name,
 /// The element of a colorant.
 std::string icc_xyz(const std::array<double, 3>& xyz);
 
-/// Baseline JPEG of one colour, written by OpenImageIO at quality 100. @param segments after SOI. @param channels 1, 3.
+/// One colour at the best quality, in the format of the name; empty where OpenImageIO does not write it.
+std::string written_by_openimageio(const std::string& name, int width, int height, const std::array<int, 3>& colour,
+                                   int channels);
+/// Baseline JPEG of one colour. @param segments after SOI. @param channels 1 or 3.
 std::string jpeg(int width, int height, const std::array<int, 3>& colour, const std::string& segments,
                  int channels = 3);
 /// APP0 + k.

@@ -127,6 +127,14 @@ std::vector<Triple> corners_of(const Triple (&colorants)[3]) {
   return corners;
 }
 
+// Magenta alone is one corner of the table. Its colour is .5 .25 .125 in linear Rec.709.
+std::string ink_profile() {
+  std::vector<Triple> corners(16, Triple{0.9642, 1, 0.8249});
+  for (std::size_t j = 0; j < 3; ++j)
+    corners[4][j] = 0.5 * srgb_colorants[0][j] + 0.25 * srgb_colorants[1][j] + 0.125 * srgb_colorants[2][j];
+  return table_profile("CMYK", "Inks", corners);
+}
+
 std::string iccp(const std::string& profile) {
   return png_chunk("iCCP", std::string("a name\0\0", 8) + stored_zlib(profile));
 }
@@ -315,11 +323,7 @@ void add_tiff(Rows& rows) {
   add("ICC profile", Becomes::honoured, "grey.tif",
       tiff(2, 1, 1, 16, little(32768, 2) + little(32768, 2), {{34675, 7, grey(2).size(), grey(2)}}), {0.25, 0.25, 0.25},
       {"Grey"}, 1e-3);
-  // Inks: magenta alone is one corner of the table. Its colour is .5 .25 .125 in linear Rec.709.
-  std::vector<Triple> corners(16, Triple{0.9642, 1, 0.8249});
-  for (std::size_t j = 0; j < 3; ++j)
-    corners[4][j] = 0.5 * srgb_colorants[0][j] + 0.25 * srgb_colorants[1][j] + 0.125 * srgb_colorants[2][j];
-  const std::string inks = table_profile("CMYK", "Inks", corners);
+  const std::string inks = ink_profile();
   const TiffTag separated{262, 3, 1, little(5, 2)};
   add("ICC profile", Becomes::honoured, "inks.tif",
       tiff(2, 1, 4, 8, std::string("\0\xff\0\0\0\xff\0\0", 8), {separated, {34675, 7, inks.size(), inks}}),
@@ -340,6 +344,119 @@ void add_tiff(Rows& rows) {
   add("PhotometricInterpretation", Becomes::honoured, "logl.tif",
       tiff(2, 1, 1, 16, grey_planes, {sgi, {262, 3, 1, little(32844, 2)}, {339, 3, 1, little(2, 2)}}), {100, 100, 100},
       {"LogL"}, 0.003);
+}
+
+// ---- BMP and TGA ----------------------------------------------------------------------------------------------------
+
+// A BITMAPV5HEADER and two texels, blue first. @param numbers of the colour space: its end points and gammas.
+std::string bmp(const std::string& kind, const std::string& numbers, const std::string& profile = {}) {
+  const std::string texels = "\x32\x64\xc8\x32\x64\xc8" + std::string(2, '\0');
+  std::string header = little(124, 4) + little(2, 4) + little(1, 4) + little(1, 2) + little(24, 2) + little(0, 4) +
+                       little(texels.size(), 4) + std::string(16 + 16, '\0') + kind + numbers;
+  header.resize(108);
+  header += little(4, 4) + little(124 + texels.size(), 4) + little(profile.size(), 4) + little(0, 4);
+  return "BM" + little(14 + 124 + texels.size() + profile.size(), 4) + little(0, 4) + little(14 + 124, 4) + header +
+         texels + profile;
+}
+
+std::string targa(unsigned gamma, unsigned below) {
+  std::string extension = little(495, 2);
+  extension.resize(478);
+  extension += little(gamma, 2) + little(below, 2);
+  extension.resize(495);
+  return std::string("\0\0\2\0\0\0\0\0\0\0\0\0\2\0\1\0\x18\x20", 18) + "\x32\x64\xc8\x32\x64\xc8" + extension +
+         little(24, 4) + little(0, 4) + std::string("TRUEVISION-XFILE.\0", 18);
+}
+
+void add_bitmaps(Rows& rows) {
+  const auto square = [](double v) { return v * v / 65025; };
+  const Triple squares{square(200), square(100), square(50)}, bytes{200 / 255.0, 100 / 255.0, 50 / 255.0};
+  std::string ends;
+  for (const Triple& xyz : srgb_colorants)
+    for (const double v : xyz) ends += little(std::uint64_t(std::lround(v * 0x1p30)), 4);
+  const std::string two = little(2 << 16, 4);
+  rows.push_back({"BMP",
+                  "bV4CSType",
+                  Becomes::honoured,
+                  "squares.bmp",
+                  bmp(little(0, 4), ends + two + two + two),
+                  squares,
+                  {},
+                  1e-3});
+  rows.push_back({"BMP", "bV4CSType", Becomes::ignored, "none.bmp", bmp(little(0, 4), ""), each(bytes, srgb)});
+  rows.push_back({"BMP",
+                  "ICC profile",
+                  Becomes::honoured,
+                  "profile.bmp",
+                  bmp("DEBM", "", matrix_profile("Linear sRGB", srgb_colorants, linear_curve)),
+                  bytes,
+                  {"Linear sRGB"},
+                  1e-3});
+  rows.push_back(
+      {"BMP", "ICC profile", Becomes::refused, "link.bmp", bmp("KNIL", ""), {}, {"not supported", "ICC profile"}});
+  rows.push_back({"TGA", "gamma", Becomes::honoured, "squares.tga", targa(20, 10), squares});
+  rows.push_back({"TGA", "gamma", Becomes::ignored, "large.tga", targa(200, 10), each(bytes, srgb)});
+}
+
+// ---- PSD and WebP ---------------------------------------------------------------------------------------------------
+
+// Adobe, "Photoshop File Formats Specification": two texels, plane by plane, and resource 1039.
+std::string psd(int mode, const std::vector<int>& texel, const std::string& profile) {
+  const std::string resource =
+      "8BIM" + big(1039, 2) + big(0, 2) + big(profile.size(), 4) + profile + std::string(profile.size() % 2, '\0');
+  std::string planes;
+  for (const int v : texel) planes += std::string(2, static_cast<char>(v));
+  return "8BPS" + big(1, 2) + std::string(6, '\0') + big(texel.size(), 2) + big(1, 4) + big(2, 4) + big(8, 2) +
+         big(std::uint64_t(mode), 2) + big(0, 4) + big(resource.size(), 4) + resource + big(0, 4) + big(0, 2) + planes;
+}
+
+// One of OpenImageIO's with an extended header and a profile before the texels.
+std::string webp(int width, int height, const std::array<int, 3>& colour, const std::string& profile) {
+  const std::string plain = written_by_openimageio("a.webp", width, height, colour, 3);
+  if (plain.empty()) return plain;
+  const std::string chunks = "VP8X" + little(10, 4) + little(0x20, 4) + little(std::uint64_t(width - 1), 3) +
+                             little(std::uint64_t(height - 1), 3) + "ICCP" + little(profile.size(), 4) + profile +
+                             std::string(profile.size() % 2, '\0') + plain.substr(12);
+  return "RIFF" + little(4 + chunks.size(), 4) + "WEBP" + chunks;
+}
+
+void add_carried(Rows& rows) {
+  const std::string linear = matrix_profile("Linear sRGB", srgb_colorants, linear_curve);
+  rows.push_back({"PSD",
+                  "ICC profile",
+                  Becomes::honoured,
+                  "profile.psd",
+                  psd(3, {200, 100, 50}, linear),
+                  {200 / 255.0, 100 / 255.0, 50 / 255.0},
+                  {"Linear sRGB"},
+                  1e-3});
+  const std::string inks = ink_profile();
+  rows.push_back({"PSD",
+                  "ICC profile",
+                  Becomes::honoured,
+                  "inks.psd",
+                  psd(4, {255, 0, 255, 255}, inks),
+                  {0.5, 0.25, 0.125},
+                  {"Inks"},
+                  1e-3});
+  rows.push_back({"GIF",
+                  "ICC profile",
+                  Becomes::refused,
+                  "profile.gif",
+                  "GIF89a" + little(2, 2) + little(1, 2) + std::string("\0\0\0!\xff\x0b", 6) + "ICCRGBG1012",
+                  {},
+                  {"not supported", "ICC profile"}});
+  const std::string picture = webp(16, 8, {188, 188, 188}, linear);
+  const double light = 188 / 255.0;
+  if (!picture.empty())
+    rows.push_back({"WebP",
+                    "ICC profile",
+                    Becomes::honoured,
+                    "profile.webp",
+                    picture,
+                    {light, light, light},
+                    {"Linear sRGB"},
+                    0.02});
 }
 
 // ---- gain maps ------------------------------------------------------------------------------------------------------
@@ -455,6 +572,8 @@ std::vector<ClaimRow> claims_of_colour() {
   add_png(rows);
   add_tiff(rows);
   add_jpeg(rows);
+  add_bitmaps(rows);
+  add_carried(rows);
   return rows;
 }
 

@@ -11,6 +11,7 @@
 #include "envmap/io/containers.h"
 #include "envmap/io/heif_colour.h"
 #include "envmap/io/image.h"
+#include "envmap/io/module_colour.h"
 #include "envmap/io/png.h"
 #include "envmap/io/radiance.h"
 #include "envmap/io/row_readers.h"
@@ -183,25 +184,20 @@ constexpr FileFormat photographs{
 
 // One that OpenImageIO reads and writes.
 constexpr FileFormat other(std::string_view name, std::string_view title, std::span<const Extension> extensions,
-                           std::span<const Depth> depths, bool (*is_head)(Head), bool frame = false) {
+                           std::span<const Depth> depths, bool (*is_head)(Head), bool frame = false,
+                           void (*open)(Image& image, const ImageChoice& choice) = nullptr) {
   return {.name = name,
           .title = title,
           .extensions = extensions,
           .depths = depths,
           .is_head = is_head,
           .frame = frame,
-          .abilities = FileFormat::encoded_values};
+          .abilities = FileFormat::encoded_values,
+          .open = open};
 }
 
 bool is_brand(Head h, std::string_view brands) {
   return h.find("ftyp") == 4 && h.size() >= 12 && brands.find(h.substr(8, 4)) != brands.npos;
-}
-
-// OpenImageIO makes 8 bits of HEIF files, with the curve that they have.
-void open_heif(Image& image, const ImageChoice& choice) {
-  std::string head(std::min<std::uint64_t>(image.file->size(), 1 << 16), '\0');
-  head.resize(image.file->pread(head.data(), head.size(), 0));
-  read_heif_colours(head, choice.headroom, image.found);
 }
 
 constexpr FileFormat efficiency(std::string_view title, bool (*is_head)(Head)) {
@@ -209,7 +205,7 @@ constexpr FileFormat efficiency(std::string_view title, bool (*is_head)(Head)) {
           .title = title,
           .is_head = is_head,
           .abilities = FileFormat::encoded_values | FileFormat::gain_map,
-          .open = open_heif};
+          .open = [](Image& i, const ImageChoice& c) { read_heif_colours(*i.file, c.headroom, i.found); }};
 }
 
 // In the order in which people are told of them.
@@ -226,12 +222,21 @@ constexpr FileFormat table[] = {
     portable_network,
     other("pnm", "PNM", ppm, bytes, [](Head h) { return is_pnm(h, "123456"); }),
     photographs,
-    other("targa", "TGA", targa, bytes, nullptr, true),
-    other("bmp", "BMP", bmp, bytes, [](Head h) { return h.starts_with("BM"); }),
-    other("webp", "WebP", webp, bytes, [](Head h) { return h.starts_with("RIFF") && h.find("WEBP") == 8; }),
-    other("jpeg2000", "JPEG 2000", {}, {},
-          [](Head h) { return h.find("jP  ") == 4 || h.starts_with("\xff\x4f\xff\x51"); }),
-    other("gif", "GIF", {}, {}, [](Head h) { return h.starts_with("GIF8"); }),
+    other("targa", "TGA", targa, bytes, nullptr, true,
+          [](Image& i, const ImageChoice&) { read_targa_colours(*i.file, i.found); }),
+    other(
+        "bmp", "BMP", bmp, bytes, [](Head h) { return h.starts_with("BM"); }, false,
+        [](Image& i, const ImageChoice&) { read_bmp_colours(*i.file, i.found); }),
+    other(
+        "webp", "WebP", webp, bytes, [](Head h) { return h.starts_with("RIFF") && h.find("WEBP") == 8; }, false,
+        [](Image& i, const ImageChoice&) { read_webp_colours(*i.file, i.found); }),
+    other(
+        "jpeg2000", "JPEG 2000", {}, {},
+        [](Head h) { return h.find("jP  ") == 4 || h.starts_with("\xff\x4f\xff\x51"); }, false,
+        [](Image& i, const ImageChoice&) { read_jpeg2000_colours(*i.file, i.found); }),
+    other(
+        "gif", "GIF", {}, {}, [](Head h) { return h.starts_with("GIF8"); }, false,
+        [](Image& i, const ImageChoice&) { read_gif_colours(*i.file, i.found); }),
     other("psd", "PSD", {}, {}, [](Head h) { return h.starts_with("8BPS"); }),
     efficiency("HEIF", [](Head h) { return is_brand(h, "heic heix heim heis hevc hevx mif1 msf1"); }),
     efficiency("AVIF", [](Head h) { return is_brand(h, "avif avis"); }),

@@ -4,14 +4,14 @@
 #pragma once
 
 #include <optional>
-#include <string_view>
 
 #include "envmap/io/image_reader.h"
+#include "envmap/io/input_file.h"
 
 namespace envmap {
 
-/// Sets colours and claims. @param head the file's boxes before its texels. @param headroom as ImageChoice has it.
+/// Sets colours, the profile and the claims. @param headroom as ImageChoice has it.
 /// @throws InputError, which names the gain map or the code point, without the file's name.
-void read_heif_colours(std::string_view head, std::optional<double> headroom, ImageFacts& facts);
+void read_heif_colours(const InputFile& file, std::optional<double> headroom, ImageFacts& facts);
 
 }  // namespace envmap

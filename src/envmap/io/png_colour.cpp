@@ -10,10 +10,9 @@
 #include <vector>
 
 #include "envmap/base/error.h"
-#include "envmap/base/parallel.h"
 #include "envmap/io/code_points.h"
+#include "envmap/io/power_curve.h"
 #include "envmap/io/srgb.h"
-#include "envmap/maths/portable.h"
 
 namespace envmap {
 namespace {
@@ -69,9 +68,10 @@ class Colours {
                              .of_colour = true});
   }
 
-  // Tells a claim. @return whether it is the first, which counts.
-  bool is_first(const std::string& name, const std::string& value) {
-    tell(name, value, first_.empty() ? "" : first_ + " comes first");
+  // Tells a claim. @param told whether it is told elsewhere, if it is honoured. @return whether it is the first, which
+  // counts.
+  bool is_first(const std::string& name, const std::string& value, bool told = false) {
+    if (!told || !first_.empty()) tell(name, value, first_.empty() ? "" : first_ + " comes first");
     if (!first_.empty()) return false;
     first_ = name;
     return true;
@@ -95,7 +95,7 @@ class Colours {
     const auto name_size = std::size_t(end - chunk->data.begin());
     if (name_size == 0 || name_size > 79 || chunk->data.size() < name_size + 2) damaged("iCCP", "has no profile");
     const std::string name(reinterpret_cast<const char*>(chunk->data.data()), name_size);
-    if (is_first("iCCP", name)) facts_.icc_profile = inflated(chunk->data.subspan(name_size + 2));
+    if (is_first("iCCP", name, true)) facts_.icc_profile = inflated(chunk->data.subspan(name_size + 2));
   }
 
   static std::string inflated(Data data) {
@@ -162,14 +162,8 @@ class Colours {
   }
 
   static std::function<void(std::span<Colour>)> decoder_of(double gamma) {
-    if (gamma == 1) return {};
     if (gamma == 0) return decode_srgb;
-    return [power = 1 / gamma](std::span<Colour> colours) {
-      parallel_ranges(int(colours.size()), 1 << 12, [&](int begin, int end) {
-        for (Colour& c : colours.subspan(std::size_t(begin), std::size_t(end - begin)))
-          for (int k = 0; k < 3; ++k) c[k] = float(portable::pow(std::max(c[k], 0.0F), power));
-      });
-    };
+    return power_curve({1 / gamma, 1 / gamma, 1 / gamma});
   }
 
   std::span<const PngChunk> chunks_;
