@@ -1,5 +1,9 @@
 // Files of one colour, byte by byte.
+#include <OpenImageIO/filesystem.h>
+#include <OpenImageIO/imageio.h>
+
 #include <bit>
+#include <cmath>
 #include <map>
 
 #include "claims.h"
@@ -94,6 +98,66 @@ std::string png(int width, int height, int bits, const std::array<unsigned, 3>& 
          png_chunk("IHDR", big(std::uint64_t(width), 4) + big(std::uint64_t(height), 4) + big(std::uint64_t(bits), 1) +
                                std::string("\2\0\0\0", 4)) +
          chunks + png_chunk("IDAT", stored_zlib(rows)) + png_chunk("IEND", "");
+}
+
+// ---- ICC.1:2022 -----------------------------------------------------------------------------------------------------
+
+std::string fixed(double value) { return big(std::uint64_t(std::int64_t(std::llround(value * 65536))), 4); }
+
+std::string icc_xyz(const std::array<double, 3>& xyz) {
+  return "XYZ " + big(0, 4) + fixed(xyz[0]) + fixed(xyz[1]) + fixed(xyz[2]);
+}
+
+std::string icc(const std::string& space, const std::string& name,
+                const std::vector<std::pair<std::string, std::string>>& tags) {
+  std::string utf16;
+  for (const char c : name) utf16 += std::string(1, '\0') + c;
+  std::vector<std::pair<std::string, std::string>> all = tags;
+  all.emplace_back("desc",
+                   "mluc" + big(0, 4) + big(1, 4) + big(12, 4) + "enUS" + big(utf16.size(), 4) + big(28, 4) + utf16);
+  all.emplace_back("wtpt", icc_xyz({0.9642, 1, 0.8249}));
+  std::string table = big(all.size(), 4), elements;
+  for (const auto& [signature, element] : all) {
+    table += signature + big(128 + 4 + 12 * all.size() + elements.size(), 4) + big(element.size(), 4);
+    elements += element + std::string((4 - element.size() % 4) % 4, '\0');
+  }
+  std::string header = big(128 + table.size() + elements.size(), 4) + big(0, 4) + big(0x04300000, 4) +
+                       (space == "CMYK" ? "prtr" : "mntr") + space + "XYZ ";
+  header.resize(36);
+  header += "acsp";
+  header.resize(68);
+  header += fixed(0.9642) + fixed(1) + fixed(0.8249);
+  header.resize(128);
+  return header + table + elements;
+}
+
+// ---- JPEG (T.81, annex B) -------------------------------------------------------------------------------------------
+
+std::string jpeg_segment(int app, const std::string& text) {
+  return "\xff" + std::string(1, static_cast<char>(0xe0 + app)) + big(text.size() + 2, 2) + text;
+}
+
+std::string written_by_openimageio(const std::string& name, int width, int height, const std::array<int, 3>& colour,
+                                   int channels) {
+  std::vector<unsigned char> bytes, texels;
+  for (int k = 0; k < width * height; ++k)
+    for (int c = 0; c < channels; ++c) texels.push_back(static_cast<unsigned char>(colour[std::size_t(c)]));
+  OIIO::Filesystem::IOVecOutput file(bytes);
+  const auto writer = OIIO::ImageOutput::create(name);
+  if (!writer) return {};
+  OIIO::ImageSpec spec(width, height, channels, OIIO::TypeDesc::UINT8);
+  void* proxy = &file;
+  spec.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
+  spec.attribute("CompressionQuality", 100);
+  spec.attribute("jpeg:subsampling", "4:4:4");
+  if (!writer->open(name, spec) || !writer->write_image(OIIO::TypeDesc::UINT8, texels.data()) || !writer->close())
+    return {};
+  return {bytes.begin(), bytes.end()};
+}
+
+std::string jpeg(int width, int height, const std::array<int, 3>& colour, const std::string& segments, int channels) {
+  const std::string whole = written_by_openimageio("a.jpg", width, height, colour, channels);
+  return whole.substr(0, 2) + segments + whole.substr(2);
 }
 
 // ---- Radiance -------------------------------------------------------------------------------------------------------

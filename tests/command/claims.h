@@ -51,6 +51,23 @@ std::string png(int width, int height, int bits, const std::array<unsigned, 3>& 
 /// A zlib stream without compression.
 std::string stored_zlib(const std::string& bytes);
 
+/// Big-endian, in 65536ths (ICC.1, section 4.6).
+std::string fixed(double value);
+/// A profile (ICC.1, section 7). @param space "RGB ", "GRAY" or "CMYK". @param tags signature and element, each in turn.
+std::string icc(const std::string& space, const std::string& name,
+                const std::vector<std::pair<std::string, std::string>>& tags);
+/// The element of a colorant.
+std::string icc_xyz(const std::array<double, 3>& xyz);
+
+/// One colour at the best quality, in the format of the name; empty where OpenImageIO does not write it.
+std::string written_by_openimageio(const std::string& name, int width, int height, const std::array<int, 3>& colour,
+                                   int channels);
+/// Baseline JPEG of one colour. @param segments after SOI. @param channels 1 or 3.
+std::string jpeg(int width, int height, const std::array<int, 3>& colour, const std::string& segments,
+                 int channels = 3);
+/// APP0 + k.
+std::string jpeg_segment(int app, const std::string& text);
+
 /// RGBE texels of one value, all in a row without run lengths. @param header lines, each ended.
 std::string radiance(const std::string& header, int width, int height, const std::array<int, 4>& rgbe);
 

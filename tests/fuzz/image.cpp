@@ -46,6 +46,15 @@ void read_texture_levels(const Image& image) {
   }
 }
 
+// As values are where a row is read.
+void decode(const Image& image, std::span<const float> row) {
+  const auto& colour = image.reader->facts.colour;
+  if (!colour || !colour->decode) return;
+  std::vector<Colour> colours;
+  for (std::size_t k = 0; k + 2 < row.size(); k += 3) colours.emplace_back(row[k], row[k + 1], row[k + 2]);
+  colour->decode(colours);
+}
+
 void read_image_levels(const Image& image) {
   for (int k = 0; k < 32; ++k) {
     const auto facts = image.reader->level_facts(k);
@@ -60,6 +69,7 @@ void read_image_levels(const Image& image) {
       const int end = std::min(begin + unit, facts->height);
       image.reader->read(k, begin, end, 0, channels,
                          std::span(rows).first(std::size_t(facts->width) * std::size_t((end - begin) * channels)));
+      decode(image, rows);
     }
   }
 }

@@ -92,6 +92,8 @@ void add_read_options(Options& o, ReadOptions& r) {
   o.add("--layer", "LAYER", &r.choice.layer, "EXR: read LAYER.R, LAYER.G and LAYER.B");
   o.add("--channels", "R,G,B", &r.choice.channels, "EXR: read these channels as R, G and B, or one channel as grey")
       .excludes = "--layer";
+  o.add("--headroom", "STOPS", &r.choice.headroom, range_of(limits::headroom),
+        "JPEG with a gain map: highlights for STOPS above white; 0: none (default: all)");
   o.flag("--crop", r.choice.crop, "EXR, TIFF: read the data window as the whole image");
   o.flag("--ignore-envmap-attribute", r.ignore_envmap_attribute,
          "Treat samples as texel centres, see also --border-samples");

@@ -23,6 +23,8 @@ struct Image {
   std::unique_ptr<InputFile> file;
   std::optional<ImageReader> reader;
   std::optional<TextureFile> texture;
+  /// What our own reader saw of the colours of an image that OpenImageIO has to read.
+  ImageFacts found = {};
   bool for_texture = false;  ///< Texels stay as stored: colours not multiplied by alpha, rows not turned upright.
   bool decode = true;        ///< Values become linear light where the file tells how; else they stay as they are.
 

@@ -254,7 +254,7 @@ Source read_image(Image& image, const std::string& path, const ReadOptions& opti
   source.layout = found.layout;
   source.facts = recorded.facts;
   source.provenance = recorded.provenance;
-  tell_colours(source, image, claimed_space(image, recorded, options.colour), options.colour);
+  tell_colours(source, image, recorded, options.colour);
   source.border = border_of(image, options, recorded, found);
   const bool in_files = has_level(path);
   // A texture counts the levels that it holds itself.
@@ -331,7 +331,7 @@ Level read_face_files(const std::string& path, const FaceFiles& files, const Rea
       source.provenance = recorded.provenance;
       source.image_width = source.image_height = size;
       source.claims = head.claims;
-      tell_colours(source, image, claimed_space(image, recorded, options.colour), options.colour);
+      tell_colours(source, image, recorded, options.colour);
       source.facts = recorded.facts;
     }
     if (number == 0)
@@ -395,6 +395,7 @@ void check(const ReadOptions& options) {
   if (options.border) check(limits::border, *options.border);
   if (options.border_samples && options.ignore_envmap_attribute)
     throw UsageError("border_samples and ignore_envmap_attribute contradict each other");
+  if (options.choice.headroom) check(limits::headroom, *options.choice.headroom);
   if (options.all_levels && options.level != 0) throw UsageError("level must be 0 where all levels are read");
 }
 
@@ -455,7 +456,7 @@ Source read_photo(Image& image, const ReadOptions& options, const Progress& prog
   Metadata recorded;
   Source source = read_head(image, options, recorded);
   source.provenance = recorded.provenance;
-  tell_colours(source, image, claimed_space(image, recorded, options.colour), options.colour);
+  tell_colours(source, image, recorded, options.colour);
   source.border_samples = false, source.levels = 1;
   const FaceSize whole{source.image_width, source.image_height};
   source.map.levels.push_back(

@@ -29,6 +29,11 @@ ClaimedSpace written_space(const Metadata& recorded, const Attributes& texts, co
   return named != nullptr ? ClaimedSpace{std::string(named->name), named->primaries, "envmap:space"} : ClaimedSpace{};
 }
 
+ClaimedSpace written_of(const Image& image, const Metadata& recorded) {
+  if (image.texture) return written_space(recorded, {}, "");
+  return written_space(recorded, image.reader->facts.attributes, image.reader->format);
+}
+
 void tell_primaries(Source& source, const std::optional<Primaries>& now, const ColourOptions& options) {
   const ClaimedSpace& claimed = source.claimed;
   const bool is_usual = claimed.decoded && same(claimed.primaries.value_or(rec709), rec709);
@@ -40,15 +45,20 @@ void tell_primaries(Source& source, const std::optional<Primaries>& now, const C
     told = chromaticities(*now);
 }
 
+// A claim that every format has in a way of its own: primaries, or a word of this program.
+std::optional<Claim> claim_of(const ClaimedSpace& written) {
+  if (written.by.empty()) return std::nullopt;
+  const std::string value = words(written);
+  return Claim{.name = written.by, .value = value.substr(0, value.rfind(" (")), .of_colour = true};
+}
+
 }  // namespace
 
 ClaimedSpace claimed_space(Image& image, const Metadata& recorded, const ColourOptions& options) {
   const bool encoded = image.texture ? is_srgb(*image.texture) : image.reader->facts.encoded;
   if (image.texture && encoded && !options.space.empty())
     throw UsageError(image.name, "its format says that it is sRGB: another space of its values makes no sense");
-  const ClaimedSpace written = image.texture
-                                   ? written_space(recorded, {}, "")
-                                   : written_space(recorded, image.reader->facts.attributes, image.reader->format);
+  const ClaimedSpace written = written_of(image, recorded);
   if (image.texture) {
     const KhrColour colour = image.texture->colour;
     const ClaimedSpace described = space_of(colour);
@@ -61,6 +71,9 @@ ClaimedSpace claimed_space(Image& image, const Metadata& recorded, const ColourO
                        Remedy::choose_space);
   }
   image.decode = options.space.empty();
+  if (!image.decode && image.reader && image.reader->facts.colour && image.reader->facts.colour->fixed)
+    throw UsageError(image.name, fmt::format("its {} says what its values are: another space of them makes no sense",
+                                             image.reader->facts.colour->space.by));
   if (image.texture && image.texture->by_integers && image.decode) return {"sRGB", rec709, "integers", true};
   if (image.texture || !image.decode) return written;
   // A word of ours may outlive a change of the values, but where it agrees with what other programs read it is exact.
@@ -70,27 +83,21 @@ ClaimedSpace claimed_space(Image& image, const Metadata& recorded, const ColourO
   return encoded && image.decode ? ClaimedSpace{"sRGB", rec709, "integers", true} : written;
 }
 
-namespace {
-
-// A claim that every format has in a way of its own: primaries, or a word of this program.
-std::optional<Claim> claim_of(const ClaimedSpace& written) {
-  if (written.by.empty()) return std::nullopt;
-  const std::string value = words(written);
-  return Claim{.name = written.by, .value = value.substr(0, value.rfind(" (")), .of_colour = true};
-}
-
-}  // namespace
-
-void tell_colours(Source& source, const Image& image, const ClaimedSpace& claimed, const ColourOptions& options) {
-  source.claimed = claimed;
-  if (image.reader && image.decode && image.reader->facts.colour)
-    if (const auto& white = image.reader->facts.colour->white_luminance) source.provenance.white_luminance = *white;
-  const auto is_told = [&](const Claim& c) { return c.of_colour && c.outcome == Claim::Outcome::honoured; };
-  const std::optional<Claim> by_space = claimed.by == "integers" ? std::nullopt : claim_of(claimed);
-  if (by_space && std::ranges::none_of(source.claims, is_told)) source.claims.push_back(*by_space);
+void tell_colours(Source& source, Image& image, const Metadata& recorded, const ColourOptions& options) {
+  source.claimed = claimed_space(image, recorded, options);
+  const StatedColour* stated = image.reader && image.reader->facts.colour ? &*image.reader->facts.colour : nullptr;
+  if (stated && image.decode && stated->white_luminance) source.provenance.white_luminance = stated->white_luminance;
+  const ClaimedSpace written = image.reader && stated ? written_of(image, recorded) : source.claimed;
+  if (std::optional<Claim> claim = written.by == "integers" ? std::nullopt : claim_of(written)) {
+    if (stated && written.by != source.claimed.by)
+      claim->outcome = Claim::Outcome::ignored, claim->reason = stated->space.by + " comes first";
+    const auto is_same = [&](const Claim& c) { return c.name == claim->name; };
+    // The reader of Radiance pictures tells all that they say.
+    if (source.format != "hdr" && std::ranges::none_of(source.claims, is_same)) source.claims.push_back(*claim);
+  }
   if (options.space.empty()) return;
   for (Claim& c : source.claims)
-    if (is_told(c)) c.outcome = Claim::Outcome::overridden;
+    if (c.of_colour && c.outcome == Claim::Outcome::honoured) c.outcome = Claim::Outcome::overridden;
 }
 
 ColourTransform colours_of(const Source& source, const ColourOptions& options) {
