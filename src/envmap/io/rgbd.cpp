@@ -100,7 +100,7 @@ bool is_jpeg(std::span<const std::byte> file) {
 // Without its alpha, which is 255.
 RgbaImage rgba_of_jpeg(std::span<const std::byte> bytes) {
   const InputFile file(std::span(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
-  const std::optional<ImageReader> reader = open_jpeg(file);
+  const std::optional<ImageReader> reader = open_jpeg(file, std::nullopt, true);
   if (!reader) throw InputError("not supported: a face is a JPEG image with an orientation, a gain map or inks");
   const int width = reader->facts.width, height = reader->facts.height;
   const auto channels = reader->facts.channels.size();
