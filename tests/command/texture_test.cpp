@@ -366,7 +366,8 @@ TEST_F(OtherKtx, IsRefusedWhereItIsNotWhatIsRead) {
   EXPECT_EQ(envmap({"info", "sound.ktx", "--drop-channels"}).status, 0);
   refuse(12, 0x01020304, "big-endian");
   refuse(12, 7, "neither byte order");
-  refuse(16, 0x1406, "glType 0x1406");
+  refuse(16, 0x1406, "64 bytes, not 128");  // Floats.
+  refuse(16, 0x1405, "glType 0x1405");
   refuse(24, 0x80e1, "glFormat 0x80e1");  // GL_BGRA.
   refuse(28, 0x83f3, "glInternalFormat 0x83f3");  // DXT5.
   refuse(36, 0, "0x");

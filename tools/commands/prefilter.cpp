@@ -302,7 +302,6 @@ int run(Request& o, Report& report) {
         fmt::format("{}: has {} levels of {}, and only level 0 is filtered: use the map that they were made of, or "
                     "--level 0 to confirm",
                     o.input, source.levels, source.facts.at("lobe")));
-  tell_equal_brightest("prefilter", o.input, source.map);
   choose_frame(o, source.map);
   o.write.source_depth = is_integer(source.depth) ? Depth::half : source.depth;
   const MirroredAxis mirror = engine ? engine->mirror : MirroredAxis::none;
@@ -325,6 +324,7 @@ int run(Request& o, Report& report) {
     tell_frame(o.output, *o.engine, *engine);
   else
     tell_lost_facts(o.output, made.frame(), o.write);
+  if (const std::string words = equal_brightest("prefilter", o.input, source.map); !words.empty()) note(words);
   report.put_seconds();
   return 0;
 }

@@ -160,7 +160,7 @@ Source told(Source (*reader)(const std::string&, const ReadOptions&, const Run&)
 Source read_map(const std::string& path, const ReadOptions& options) { return told(read, path, options); }
 Source read_picture(const std::string& path, const ReadOptions& options) { return told(read_photo, path, options); }
 
-void tell_equal_brightest(std::string_view command, const std::string& path, const EnvironmentMap& map) {
+std::string equal_brightest(std::string_view command, const std::string& path, const EnvironmentMap& map) {
   constexpr double bright = 4;  // Times the mean: plain maps are no lights.
   const Level& level = map.base();
   double most = 0, sum = 0;
@@ -176,11 +176,10 @@ void tell_equal_brightest(std::string_view command, const std::string& path, con
       }
       level.trim();
     }
-  if (count > 1 && most * double(all) > bright * sum)
-    note(fmt::format(
-        "envmap {}: {}: {} texels hold the largest value, {:g}: if its light was clipped, the result is too "
-        "dark",
-        command, path, count, most));
+  if (count < 2 || most * double(all) <= bright * sum) return {};
+  return fmt::format(
+      "envmap {}: {}: {} texels hold the largest value, {:g}: if its light was clipped, the result is too dark",
+      command, path, count, most);
 }
 
 void tell_clamping(const std::string& path, const Written& written) {
