@@ -16,7 +16,7 @@ set -eu
 # 'a|b': the first of them that the system has.
 packages='
   g++ cmake ninja-build pkg-config
-  libopenimageio-dev libopencolorio-dev libglm-dev libcli11-dev libtbb-dev libhwy-dev libfmt-dev libpng-dev libjpeg-dev libtiff-dev libfreetype-dev libzstd-dev
+  libopenimageio-dev libopencolorio-dev libglm-dev libcli11-dev libtbb-dev libhwy-dev libfmt-dev libpng-dev libjpeg-dev libtiff-dev liblcms2-dev zlib1g-dev libfreetype-dev libzstd-dev
   nlohmann-json3-dev
   libdraco-dev libembree-dev libegl-dev python3-glad libegl1 libgl1-mesa-dri libosmesa6|libgl1-mesa-dri
   libgtest-dev libbenchmark-dev libopenexr-dev openexr openimageio-tools python3 python3-dev pybind11-dev python3-numpy python3-pytest python3-mypy python3-jsonschema zstd mandoc fonts-dejavu-core zsh fish

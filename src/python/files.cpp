@@ -25,7 +25,7 @@ std::filesystem::path path_of(const py::object& file) {
 Map read_file(const py::object& file, const std::optional<std::string>& projection,
               const std::optional<std::string>& layout, const std::string& faces,
               const std::optional<std::string>& forward, int level, bool all_levels, bool repair, bool drop_channels,
-              const std::string& space, const std::string& working) {
+              const std::string& space, const std::string& working, std::optional<double> headroom) {
   ReadOptions o;
   if (projection) o.projection = projection_of(*projection);
   if (layout) o.layout = layout_of(*layout);
@@ -34,6 +34,7 @@ Map read_file(const py::object& file, const std::optional<std::string>& projecti
   o.level = level, o.all_levels = all_levels, o.drop_channels = drop_channels;
   o.flaws = repair ? FlawPolicy::repair : FlawPolicy::refuse;
   o.colour.space = space, o.colour.working = working;
+  o.choice.headroom = headroom;
   if (PyObject_CheckBuffer(file.ptr())) {
     const py::buffer_info bytes = py::reinterpret_borrow<py::buffer>(file).request();
     if (bytes.ndim != 1 || bytes.itemsize != 1 || bytes.strides[0] != 1) throw UsageError("a file in memory is bytes");
@@ -111,12 +112,14 @@ py::list pack_map(const GivenMap& given, const std::string& format, const std::s
 void add_files(py::module_& m) {
   m.def("read", &read_file, "file"_a, py::kw_only(), "projection"_a = py::none(), "layout"_a = py::none(),
         "faces"_a = "", "forward"_a = py::none(), "level"_a = 0, "all_levels"_a = false, "repair"_a = false,
-        "drop_channels"_a = false, "space"_a = "", "working"_a = "",
+        "drop_channels"_a = false, "space"_a = "", "working"_a = "", "headroom"_a = py::none(),
         document(
             "read",
             "file, *, projection=None, layout=None, faces='', forward=None, level=0, all_levels=False, repair=False, "
-            "drop_channels=False, space='', working=''",
-            "Reads a map of a file, or of a file's bytes. {face} in the name reads six files, which faces names."));
+            "drop_channels=False, space='', working='', headroom=None",
+            "Reads a map of a file, or of a file's bytes. {face} in the name reads six files, which faces names. "
+            "headroom "
+            "limits the gain map of a JPEG, in stops above white."));
   m.def("write", &write_file, "file"_a, "map"_a, py::kw_only(), "depth"_a = py::none(), "layout"_a = py::none(),
         "faces"_a = "", "format"_a = "", "compression"_a = "", "clamp"_a = false, "zstd"_a = false, "facts"_a = Facts{},
         "force"_a = false, "progress"_a = py::none(),

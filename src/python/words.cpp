@@ -38,6 +38,7 @@ const char* advice(Remedy remedy) {
     case Remedy::force: return ": force=True replaces it";
     case Remedy::make_levels: return ": mipmap() makes levels anew";
     case Remedy::make_cube: return ": convert(to='cube') makes one";
+    case Remedy::take_base: return ": headroom=0 reads the picture without its gain map";
     case Remedy::make_all_levels: return ": mipmap() makes them";
     case Remedy::limit_memory:
     case Remedy::allow_pixels:
@@ -78,6 +79,7 @@ constexpr const char* remedy_names[] = {"none",
                                         "choose_faces",
                                         "make_levels",
                                         "make_cube",
+                                        "take_base",
                                         "make_all_levels"};
 static_assert(std::size(remedy_names) == std::size_t(Remedy::make_all_levels) + 1);
 

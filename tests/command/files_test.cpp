@@ -24,7 +24,13 @@ namespace fs = std::filesystem;
 
 // What is written within --max-error is read within it. Colours with a dark channel lose much of it to a shared
 // exponent.
-// Pictures of phones. Where the curve is none of a screen, values would be wrong.
+// ITU-R BT.2100-2, table 4; 203 cd/m^2 are 1.
+double pq(double v) {
+  const double p = std::pow(v, 1 / 78.84375);
+  return 10000 / 203.0 * std::pow((p - 0.8359375) / (18.8515625 - 18.6875 * p), 1 / 0.1593017578125);
+}
+
+// Pictures of phones, and the same values as those of a screen of high range.
 TEST_F(CommandTest, ReadsHeifAndAvifWhereOpenImageIODoes) {
   Picture p = Picture::filled(64, 32, 0.75);
   std::fill_n(p.at(0, 16), 64 * 16 * 3, 0.25F);
@@ -48,7 +54,14 @@ TEST_F(CommandTest, ReadsHeifAndAvifWhereOpenImageIODoes) {
     if (box == bytes.npos) continue;
     bytes[box + 10] = 0, bytes[box + 11] = 16;
     write("pq." + file, bytes);
-    fails(3, {"info", "pq." + file}, {"PQ", "EXR"});
+    const nlohmann::json told = report({"info", "pq." + file});
+    EXPECT_EQ(told["white_luminance"], 203) << file;
+    EXPECT_NEAR(told["maximum"][0].get<double>(), pq(0.75), 0.1 * pq(0.75)) << file;
+    EXPECT_EQ(told["claims"][0]["name"], "nclx");
+    EXPECT_EQ(told["claims"][0]["outcome"], "honoured");
+    bytes[box + 11] = 9;
+    write("log." + file, bytes);
+    fails(3, {"info", "log." + file}, {"nclx", "transfer 9", "not supported", "--input-space"});
   }
   if (read_back == 0) GTEST_SKIP() << "this OpenImageIO writes no HEIF";
 }

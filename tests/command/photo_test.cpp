@@ -182,6 +182,44 @@ TEST_F(Photos, ASecondFisheyeFillsTheRest) {
   }
 }
 
+// As 360 cameras save it: two lenses whose circles differ.
+TEST_F(Photos, BothFisheyesMayBeInOnePicture) {
+  const Picture left = fisheye_of(190, false, 0, 300, 300, 148.5, 152.25, 140),
+                right = fisheye_of(190, false, pi, 300, 300, 151, 149.5, 136);
+  const auto place = [&](Picture& both, const Picture& one, int x0, int y0) {
+    for (int j = 0; j < 300; ++j)
+      for (int i = 0; i < 300; ++i)
+        for (int c = 0; c < 3; ++c) both.at(x0 + i, y0 + j)[c] = one.at(i, j)[c] == 7 ? 0 : one.at(i, j)[c];
+  };
+  Picture beside = Picture::filled(600, 300), below = Picture::filled(300, 600);
+  place(beside, left, 0, 0), place(beside, right, 300, 0);
+  place(below, left, 0, 0), place(below, right, 0, 300);
+  save(path("beside.exr"), beside);
+  save(path("below.exr"), below);
+  const auto check = [&](const std::string& file, const std::string& circle, const std::string& back) {
+    const auto r = report({"convert", file, "map.pfm", "--from", "fisheye", "--fov", "190", "--circle", circle,
+                           "--back-circle", back, "--to", "latlong", "--size", "48", "-q"});
+    EXPECT_NEAR(r["covered"], 1, 1e-3);
+    EXPECT_LT(off_directions(load(path("map.pfm")), {0, 0, 1}, 4), 0.03) << file << circle;
+    return r;
+  };
+  check("beside.exr", "148.5,152.25,140", "451,149.5,136");
+  check("below.exr", "148.5,152.25,140", "151,449.5,136");
+  const auto found = check("beside.exr", "find", "find");
+  EXPECT_NEAR(found["circle"]["x"], 148.5, 0.5);
+  EXPECT_NEAR(found["back_circle"]["x"], 451, 0.5);
+  EXPECT_NEAR(found["back_circle"]["radius"], 136, 0.5);
+  check("below.exr", "find", "find");
+  fails(3, {"convert", "beside.exr", "map.exr", "--from", "fisheye", "--circle", "find"},
+        {"two circles", "--back-circle find"});
+  // Of two files each has a circle of its own.
+  save(path("front.exr"), left);
+  save(path("back.exr"), right);
+  (void)report({"convert", "front.exr", "map.pfm", "--from", "fisheye", "--fov", "190", "--circle", "find", "--back",
+          "back.exr", "--to", "latlong", "--size", "48", "-q"});
+  EXPECT_LT(off_directions(load(path("map.pfm")), {0, 0, 1}, 4), 0.03);
+}
+
 TEST_F(Photos, OneHalfOfAParaboloid) {
   succeeds({"generate", "directions", "{half}.exr", "--to", "paraboloid", "--size", "64"});
   const auto r = report({"convert", "front.exr", "map.pfm", "--from", "half-paraboloid", "--to", "latlong"});
@@ -200,6 +238,9 @@ TEST_F(Photos, OptionsThatContradictEachOther) {
       {{"--circle", "find"}, "--circle is for"},
       {{"--from", "half-paraboloid", "--circle", "find"}, "--circle is for"},
       {{"--from", "sphere", "--circle-picture", "x.png"}, "use --circle"},
+      {{"--from", "sphere", "--circle", "find", "--back-circle", "find"}, "--back-circle is for"},
+      {{"--from", "fisheye", "--back-circle", "find"}, "--back-circle is for"},
+      {{"--from", "fisheye", "--circle", "find", "--back-circle", "1,2"}, "--back-circle: '1,2'"},
       {{"--from", "fisheye", "--circle-picture", "x.exr"}, ".png or .jpg"},
       {{"--from", "sphere", "--circle", "find", "--back", "photo2.exr"}, "--back is for"},
       {{"--from", "sphere", "--circle", "find", "--fov", "100"}, "--fov is for"},

@@ -89,8 +89,8 @@ TEST_P(Corpus, IsReadOrRefusedInOneLine) {
 
 INSTANTIATE_TEST_SUITE_P(Targets, Corpus,
                          testing::Values("hdr", "exr", "ktx2", "ktx", "dds", "env", "glb", "png", "jpg", "tif", "pfm",
-                                         "bc6h", "obj", "mtl", "gltf", "words", "colours", "part", "manifest", "read",
-                                         "scene", "command", "library"),
+                                         "bc6h", "obj", "mtl", "gltf", "words", "icc", "gain", "colours", "part",
+                                         "manifest", "read", "scene", "command", "library"),
                          [](const auto& target) { return std::string(target.param); });
 
 // Readers that are ours alone: others' libraries are fuzzed by hand.
@@ -115,7 +115,7 @@ TEST_P(DamagedCorpus, IsReadOrRefusedInOneLine) {
 
 INSTANTIATE_TEST_SUITE_P(Targets, DamagedCorpus,
                          testing::Values("hdr", "ktx2", "ktx", "dds", "env", "glb", "png", "jpg", "tif", "pfm", "bc6h",
-                                         "obj", "mtl", "gltf", "words", "library"),
+                                         "obj", "mtl", "gltf", "words", "icc", "gain", "library"),
                          [](const auto& target) { return std::string(target.param); });
 
 }  // namespace

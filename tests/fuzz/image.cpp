@@ -32,15 +32,27 @@ constexpr std::int64_t most = 1 << 20;  // Texels that are looked at.
 void read_texture_levels(const Image& image) {
   const TextureFile& t = *image.texture;
   for (int k = 0; k < t.levels; ++k) {
-    const TexelFormat& format = format_of(t.texels);
+    const TexelFormat format = t.format();
     const int width = t.level_width(k), height = t.level_height(k), faces = t.cube ? 6 : 1;
     if (std::int64_t{width} * height * faces > most) continue;
     const std::vector<std::byte> stored = t.bytes(*image.file, k);
     if (stored.size() != std::uint64_t(faces) * t.image_bytes(k)) std::abort();
     std::vector<Colour> out(std::size_t(width * format.side));
     for (std::size_t at = 0; at < stored.size(); at += format.row_bytes(width))
-      (void)decode(t.texels, std::span(stored).subspan(at, format.row_bytes(width)), out);
+      if (t.packing.bytes > 0)
+        (void)decode(t.packing, std::span(stored).subspan(at, format.row_bytes(width)), out);
+      else
+        (void)decode(t.texels, std::span(stored).subspan(at, format.row_bytes(width)), out);
   }
+}
+
+// As values are where a row is read.
+void decode(const Image& image, std::span<const float> row) {
+  const auto& colour = image.reader->facts.colour;
+  if (!colour || !colour->decode) return;
+  std::vector<Colour> colours;
+  for (std::size_t k = 0; k + 2 < row.size(); k += 3) colours.emplace_back(row[k], row[k + 1], row[k + 2]);
+  colour->decode(colours);
 }
 
 void read_image_levels(const Image& image) {
@@ -57,6 +69,7 @@ void read_image_levels(const Image& image) {
       const int end = std::min(begin + unit, facts->height);
       image.reader->read(k, begin, end, 0, channels,
                          std::span(rows).first(std::size_t(facts->width) * std::size_t((end - begin) * channels)));
+      decode(image, rows);
     }
   }
 }

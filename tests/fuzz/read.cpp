@@ -19,6 +19,7 @@ ReadOptions options(unsigned choice) {
   o.ignore_envmap_attribute = choice & 4;
   o.drop_channels = !(choice & 8);
   o.all_levels = choice & 64;
+  o.apply_pose = choice & 128;
   if (choice & 16) o.projection = all_projections[(choice >> 5) % std::size(all_projections)];
   return o;
 }

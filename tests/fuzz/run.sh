@@ -6,6 +6,7 @@
 # SECONDS for each target (default: 60, of all targets). FUZZ_OPTIONS go to libFuzzer. Targets (targets.h):
 #   hdr exr ktx2 ktx dds env glb png jpg tif pfm   a reader of images each, in memory     bc6h      blocks, decoded and encoded again
 #   obj mtl gltf                   a reader of scenes each, in memory     words     what metadata and shapes say
+#   icc gain                       profiles and gain maps, their metadata alone
 #   read scene                     files and pipes of any format          colours   OpenColorIO configs and names of spaces
 #   command                        commands of the program, whole         part, manifest   what merge and batch read
 # They begin with the corpus of the repository, tests/fuzz/corpus, and with seeds made by ENVMAP (built where it is not
@@ -18,7 +19,7 @@ set -eu
 
 seconds=${1:-60}
 [ $# -eq 0 ] || shift
-[ $# -gt 0 ] || set -- hdr exr ktx2 ktx dds env glb png jpg tif pfm bc6h obj mtl gltf words colours part manifest read scene command
+[ $# -gt 0 ] || set -- hdr exr ktx2 ktx dds env glb png jpg tif pfm bc6h obj mtl gltf words icc gain colours part manifest read scene command
 cd "$(dirname "$0")/../.."
 kept=$PWD/tests/fuzz/corpus
 cmake --preset fuzz

@@ -16,6 +16,10 @@ using Bytes = std::span<const std::byte>;
 void fuzz_image(std::string_view format, Bytes bytes);
 /// Blocks of BC6H as they are, and what the encoder makes of their texels.
 void fuzz_bc6h(Bytes bytes);
+/// An ICC profile.
+void fuzz_icc(Bytes bytes);
+/// The metadata of a gain map: XMP, or the numbers of ISO 21496-1.
+void fuzz_gain(Bytes bytes);
 /// An OpenColorIO config; without a line break, the name of a built-in space.
 void fuzz_colours(Bytes bytes);
 /// The text or document of a scene, in memory: obj, mtl, gltf (GLB by its mark).
@@ -42,6 +46,8 @@ inline void fuzz(std::string_view target, Bytes bytes) {
   if (target == "scene") return fuzz_scene(bytes);
   if (target == "words") return fuzz_words(bytes);
   if (target == "bc6h") return fuzz_bc6h(bytes);
+  if (target == "icc") return fuzz_icc(bytes);
+  if (target == "gain") return fuzz_gain(bytes);
   if (target == "colours") return fuzz_colours(bytes);
   if (target == "part") return fuzz_part(bytes);
   if (target == "manifest") return fuzz_manifest(bytes);

@@ -45,6 +45,29 @@ TEST_F(SceneTest, ObjWithMaterialsAndWindowsPaths) {
   EXPECT_EQ(scene.textures[0].texels[0], glm::u8vec4(1, 2, 3, 255));
 }
 
+TEST_F(SceneTest, ObjOfOldMacsAndWithAbsolutePaths) {
+  std::ofstream(folder / "a.ppm", std::ios::binary) << "P6 1 1 255\n\x01\x02\x03";
+  put("a.mtl", "newmtl red\rKd 1 0 0\rmap_Kd /home/someone/a.ppm\r");
+  put("a.obj", "mtllib C:\\models\\a.mtl\rv 0 0 0\rv 1 0 0\rv 0 1 0\rusemtl red\rf 1 2 3\r");
+  Scene scene = read_scene(path("a.obj"));
+  EXPECT_EQ(scene.materials[scene.meshes.at(0).material].base_colour, glm::vec4(1, 0, 0, 1));
+  ASSERT_EQ(scene.textures.size(), 1U);
+  ASSERT_EQ(scene.remarks.size(), 2U);
+  EXPECT_NE(scene.remarks[0].find("absolute path"), std::string::npos);
+  put("b.obj", "mtllib /models/none.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  scene = read_scene(path("b.obj"));
+  EXPECT_NE(scene.remarks.back().find("missing"), std::string::npos) << scene.remarks.back();
+}
+
+TEST_F(SceneTest, MissingTexturesOfObjMayBeLeftOut) {
+  put("a.mtl", "newmtl red\nKd 1 0 0\nmap_Kd none.ppm\n");
+  put("a.obj", "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\n");
+  EXPECT_NE(why(path("a.obj")).find("'none.ppm', which is missing"), std::string::npos) << why(path("a.obj"));
+  const Scene scene = read_scene(path("a.obj"), 1 << 20, true);
+  EXPECT_EQ(scene.materials[0].base_colour_texture, -1);
+  EXPECT_EQ(scene.remarks.size(), 1U);
+}
+
 TEST_F(SceneTest, ObjAsTheManualHasIt) {
   // CR LF, a line that goes on, negative indices, a colour and a weight, a comment behind, a name with spaces and a #.
   put("my colours.mtl", "\xef\xbb\xbf# first\r\nnewmtl red #1\r\nKd 1 0 \\\r\n 0\r\nNi 2\r\n");

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "envmap/base/error.h"
+#include "envmap/io/scene_folder.h"
 #include "envmap/scene/camera.h"
 #include "envmap/scene/read/read_scene.h"
 #include "render/gltf_file.h"
@@ -328,6 +329,62 @@ TEST_F(SceneTest, StripsFansQuantisedAndSparseVertices) {
                                              {"values", {{"bufferView", value}}}};
   file.write(folder / "a.gltf");
   EXPECT_EQ(read_scene(path("a.gltf")).meshes[0].positions[2], glm::vec3(7, 8, 9));
+}
+
+// What glTF forbids and every program of the field draws.
+TEST_F(SceneTest, ScenesThatListChildrenAreDrawn) {
+  GltfFile file = triangle();
+  file.document["nodes"] = {{{"mesh", 0}, {"name", "leaf"}, {"translation", {1, 0, 0}}},
+                            {{"name", "parent"}, {"translation", {10, 0, 0}}, {"children", {0}}}};
+  const auto read = [&](const json& listed) {
+    file.document["scenes"] = {{{"nodes", listed}}};
+    file.write(folder / "a.gltf");
+    return read_scene(path("a.gltf"));
+  };
+  const auto leaf = [](const Scene& scene) {
+    return at(pose(scene, 0)[std::size_t(find_node(scene, "leaf").value())], {0, 0, 0});
+  };
+  Scene scene = read({0});  // Its parent is not in the scene: it is a root.
+  ASSERT_EQ(scene.nodes.size(), 1U);
+  near(leaf(scene), {1, 0, 0});
+  ASSERT_EQ(scene.remarks.size(), 1U);
+  EXPECT_NE(scene.remarks[0].find("drawn as roots"), std::string::npos);
+  for (const json& listed : {json{0, 1}, json{1, 0}}) {  // Once, below its parent.
+    scene = read(listed);
+    ASSERT_EQ(scene.nodes.size(), 2U);
+    near(leaf(scene), {11, 0, 0});
+    EXPECT_EQ(scene.remarks.size(), 1U);
+  }
+  scene = read({1, 1});
+  EXPECT_EQ(scene.nodes.size(), 2U);
+  EXPECT_EQ(scene.remarks.size(), 1U);
+  EXPECT_TRUE(read({1}).remarks.empty());
+}
+
+TEST_F(SceneTest, CornersBeyondTheLastTriangleAreNotDrawn) {
+  GltfFile file = triangle();
+  file.document["meshes"][0]["primitives"][0]["indices"] = file.add<std::uint16_t>({0, 1, 2, 0, 1}, "SCALAR", 1);
+  file.write(folder / "a.gltf");
+  const Scene scene = read_scene(path("a.gltf"));
+  EXPECT_EQ(scene.meshes[0].indices.size(), 3U);
+  EXPECT_EQ(scene.remarks.size(), 1U);
+}
+
+TEST_F(SceneTest, MissingTexturesMayBeLeftOut) {
+  GltfFile file = triangle();
+  file.document["images"] = {{{"uri", "none.png"}}};
+  file.document["textures"] = {{{"source", 0}}};
+  file.document["materials"] = {{{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}}}};
+  file.document["meshes"][0]["primitives"][0]["material"] = 0;
+  file.write(folder / "a.gltf");
+  EXPECT_THROW(read_scene(path("a.gltf")), MissingFile);
+  EXPECT_NE(why(path("a.gltf")).find("'none.png', which is missing"), std::string::npos) << why(path("a.gltf"));
+  const Scene scene = read_scene(path("a.gltf"), 1 << 20, true);
+  EXPECT_EQ(scene.materials[0].base_colour_texture, -1);
+  ASSERT_EQ(scene.remarks.size(), 1U);
+  EXPECT_NE(scene.remarks[0].find("none.png"), std::string::npos);
+  put("none.png", "no picture");
+  EXPECT_THROW(read_scene(path("a.gltf"), 1 << 20, true), InputError) << "a damaged one is no missing one";
 }
 
 // Of both kinds, on a mesh that gets its normals, and so vertices of its own for each triangle.

@@ -154,7 +154,7 @@ TEST(Radiance, DamageIsNamed) {
   EXPECT_NE(why(file("", "-Y 0 +X 2", texel(9, 9, 9))).find("no resolution"), std::string::npos);
   EXPECT_NE(why(file("", "-Y 9999999999 +X 2", texel(9, 9, 9))).find("no resolution"), std::string::npos);
   EXPECT_NE(why(file("", "-Y 2147483647 +X 2147483647", texel(9, 9, 9))).find("cannot hold"), std::string::npos);
-  EXPECT_NE(why(file("EXPOSURE=0\n", "-Y 1 +X 1", texel(9, 9, 9))).find("EXPOSURE"), std::string::npos);
+  EXPECT_NE(why(file("EXPOSURE=-1\n", "-Y 1 +X 1", texel(9, 9, 9))).find("EXPOSURE"), std::string::npos);
   EXPECT_NE(why(file("COLORCORR=1 nan 1\n", "-Y 1 +X 1", texel(9, 9, 9))).find("COLORCORR"), std::string::npos);
   EXPECT_NE(why("#?RADIANCE\nFORMAT=what\n\n").find("FORMAT"), std::string::npos);
   EXPECT_NE(why("#?RADIANCE\n" + std::string(100000, 'x')).find("no end"), std::string::npos);

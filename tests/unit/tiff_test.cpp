@@ -25,11 +25,22 @@ struct Kind {
   int rows_per_strip = 4;
 };
 
-// Files are written by name: libtiff has no memory to write to. @param more sets further tags.
-template <class More>
-std::string tiff_file(const Kind& kind, int width, int height, const More& more) {
+// Files are written by name: libtiff has no memory to write to.
+template <class Fill>
+std::string written(const Fill& fill, const char* mode = "wl") {
   const std::string path = testing::TempDir() + fmt::format("envmap-tiff-test-{}.tif", getpid());
-  TIFF* const t = TIFFOpen(path.c_str(), kind.mode);
+  TIFF* const t = TIFFOpen(path.c_str(), mode);
+  fill(t);
+  TIFFClose(t);
+  std::ifstream stream(path, std::ios::binary);
+  std::string bytes{std::istreambuf_iterator<char>(stream), {}};
+  std::filesystem::remove(path);
+  return bytes;
+}
+
+// Random texels. @param more sets further tags.
+template <class More>
+void fill(TIFF* t, const Kind& kind, int width, int height, const More& more) {
   TIFFSetField(t, TIFFTAG_IMAGEWIDTH, width);
   TIFFSetField(t, TIFFTAG_IMAGELENGTH, height);
   TIFFSetField(t, TIFFTAG_SAMPLESPERPIXEL, kind.samples);
@@ -51,11 +62,11 @@ std::string tiff_file(const Kind& kind, int width, int height, const More& more)
       row[k + std::size_t(kind.bits / 8) - 1] = 0x3a + k % 3;
     TIFFWriteScanline(t, row.data(), std::uint32_t(y), 0);
   }
-  TIFFClose(t);
-  std::ifstream stream(path, std::ios::binary);
-  std::string bytes{std::istreambuf_iterator<char>(stream), {}};
-  std::filesystem::remove(path);
-  return bytes;
+}
+
+template <class More>
+std::string tiff_file(const Kind& kind, int width, int height, const More& more) {
+  return written([&](TIFF* t) { fill(t, kind, width, height, more); }, kind.mode);
 }
 
 std::string tiff_file(const Kind& kind, int width = 37, int height = 21) {
@@ -140,7 +151,7 @@ TEST(Tiff, RareImagesAreLeftToOpenImageIo) {
   EXPECT_FALSE(with(TIFFTAG_PIXAR_IMAGEFULLWIDTH, 32));
   EXPECT_FALSE(with(TIFFTAG_PIXAR_TEXTUREFORMAT, "LatLong Environment"));
   EXPECT_FALSE(with(TIFFTAG_PLANARCONFIG, PLANARCONFIG_SEPARATE));
-  EXPECT_FALSE(with(TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_CIELAB));
+  EXPECT_THROW(with(TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_CIELAB), InputError);
   const auto xmp = [&](const std::string& text) {
     return is_read({}, [&](TIFF* t) { TIFFSetField(t, TIFFTAG_XMLPACKET, int(text.size()), text.data()); });
   };
@@ -153,6 +164,35 @@ TEST(Tiff, RareImagesAreLeftToOpenImageIo) {
   const std::string large = tiff_file({3, 32, COMPRESSION_PACKBITS, true, "wl", 64}, 2048, 1024);
   const InputFile file{std::span<const char>(large)};
   EXPECT_FALSE(open_tiff(file).has_value()) << "its strips are decompressed in parallel";
+}
+
+// Of which OpenImageIO cannot go back in a strip.
+TEST(Tiff, CompressedPlanesOfDoubles) {
+  const auto value = [](int x, int y, int c) { return 1000.0 * c + 10 * y + 0.125 * x; };
+  const std::string bytes = written([&](TIFF* t) {
+    TIFFSetField(t, TIFFTAG_IMAGEWIDTH, 7);
+    TIFFSetField(t, TIFFTAG_IMAGELENGTH, 8);
+    TIFFSetField(t, TIFFTAG_SAMPLESPERPIXEL, 3);
+    TIFFSetField(t, TIFFTAG_BITSPERSAMPLE, 64);
+    TIFFSetField(t, TIFFTAG_SAMPLEFORMAT, SAMPLEFORMAT_IEEEFP);
+    TIFFSetField(t, TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_RGB);
+    TIFFSetField(t, TIFFTAG_PLANARCONFIG, PLANARCONFIG_SEPARATE);
+    TIFFSetField(t, TIFFTAG_COMPRESSION, COMPRESSION_LZW);
+    TIFFSetField(t, TIFFTAG_ROWSPERSTRIP, 3);
+    for (int c = 0; c < 3; ++c)
+      for (int y = 0; y < 8; ++y) {
+        std::array<double, 7> row = {};
+        for (int x = 0; x < 7; ++x) row[std::size_t(x)] = value(x, y, c);
+        TIFFWriteScanline(t, row.data(), std::uint32_t(y), std::uint16_t(c));
+      }
+  });
+  const InputFile file{std::span<const char>(bytes)};
+  const ImageReader reader = open_tiff(file).value();
+  const std::vector<float> is = texels(reader), blue = texels(reader, 2, 5, 2, 1);
+  for (int y = 0; y < 8; ++y)
+    for (int x = 0; x < 7; ++x)
+      for (int c = 0; c < 3; ++c) ASSERT_EQ(is[std::size_t((y * 7 + x) * 3 + c)], float(value(x, y, c)));
+  for (int y = 2; y < 5; ++y) EXPECT_EQ(blue[std::size_t((y - 2) * 7)], float(value(0, y, 2))) << "rows go back";
 }
 
 TEST(Tiff, CutImagesAreRefused) {

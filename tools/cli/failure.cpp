@@ -48,6 +48,7 @@ std::vector<Step> steps(envmap::Remedy remedy, const Options& options) {
     case Remedy::make_cube:
       return {{"", options.has("--to") ? "use --to cube" : "use 'envmap convert --to cube' first"}};
     case Remedy::make_all_levels: return {{"", options.has("--levels") ? "raise --levels" : "use 'envmap mipmap'"}};
+    case Remedy::take_base: return {{"--headroom", "use --headroom 0 for the picture without its gain map"}};
     case Remedy::force: return {{"", "make it writable"}, {"--force", "use --force to replace it"}};
     case Remedy::none: break;
   }

@@ -96,6 +96,7 @@ int run(BakeRequest& o, Report& report) {
     for (const EngineMap& map : e.maps)
       if (map.chain) level_roughnesses(map, *o.maps.chain_size, {}, "--chain-size");
   Source source = read_map(o.input, o.read);
+  const std::string brightest = equal_brightest("bake", o.input, source.map);
   o.maps.write.source_depth = is_integer(source.depth) ? Depth::half : source.depth;
   o.maps.write.provenance = source.provenance;
   o.maps.write.commit = settings().commit;
@@ -106,6 +107,7 @@ int run(BakeRequest& o, Report& report) {
   add_frame(report, e, e.maps.front());
   tell(o, bake_folder(o, std::move(source.map)), report);
   tell_frame(o.folder, e, e.maps.front());
+  if (!brightest.empty()) note(brightest);
   report.put("files", outputs);
   report.put_seconds();
   return 0;

@@ -55,11 +55,11 @@ struct Convert {
 };
 
 // Options that only maps have, or only pictures.
-constexpr std::array of_maps{"--for",           "--layout",   "--faces",         "--area-error",     "--max-error",
-                             "--ball-distance", "--ball-fov", "--forward",       "--mirror",         "--add",
-                             "--depth",         "--border",   "--zstd",          "--openexr-envmap", "--compression",
-                             "--clamp",         "--shard",    "--output-space",  "--encoded",        "--max-memory",
-                             "--circle",        "--back",     "--circle-picture"};
+constexpr std::array of_maps{"--for",           "--layout",   "--faces",          "--area-error",     "--max-error",
+                             "--ball-distance", "--ball-fov", "--forward",        "--mirror",         "--add",
+                             "--depth",         "--border",   "--zstd",           "--openexr-envmap", "--compression",
+                             "--clamp",         "--shard",    "--output-space",   "--encoded",        "--max-memory",
+                             "--circle",        "--back",     "--circle-picture", "--back-circle"};
 constexpr std::array of_pictures{"--look-at", "--width"};
 
 void refuse_options(const Options& options, bool picture) {
@@ -176,6 +176,7 @@ Source read_input(const Convert& o, std::optional<Picture>& circle, Report& repo
 Source read_added(const Convert& o) {
   ReadOptions read = o.read;
   read.projection.reset(), read.layout.reset(), read.forward.reset(), read.border.reset(), read.level = 0;
+  read.border_samples = read.apply_pose = false;
   if (!has_face(o.added)) read.faces.clear();
   return read_map(o.added, read);
 }

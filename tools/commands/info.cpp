@@ -13,6 +13,7 @@
 #include "envmap/operate/sampling.h"
 #include "envmap/scene/read/read_scene.h"
 #include "scenes/scene_facts.h"
+#include "scenes/scene_options.h"
 #include "shared/facts.h"
 #include "shared/map_options.h"
 #include "shared/maps.h"
@@ -30,6 +31,7 @@ struct InfoRequest {
   ReadOptions read;
   bool sampling = false, levels = false;
   std::optional<Direction> towards;
+  std::optional<bool> allow_missing;
 };
 
 // Size and flux of each level, and how far the flux is off that of the first.
@@ -70,15 +72,15 @@ bool may_be_scene(const std::string& path) {
   return type == "obj" || type == "gltf" || type == "glb";
 }
 
-// A .glb file without the light of a map is a scene. What is neither has the message of that type of file.
+// A glTF file without the light of a map is a scene. What is neither has the message of that type of file.
 std::variant<Source, Scene> read_map_or_scene(const InfoRequest& o, const std::string& input) {
   if (!may_be_scene(input)) return read_map(input, o.read);
-  if (extension_of(input) != "glb") return read_scene(input, o.read.max_pixels);
+  if (extension_of(input) == "obj") return read_scene(input, o.read, o.allow_missing);
   try {
     return read_map(input, o.read);
   } catch (const InputError& no_map) {
     try {
-      return read_scene(input, o.read.max_pixels);
+      return read_scene(input, o.read, o.allow_missing);
     } catch (const InputError&) {
       throw no_map;
     }
@@ -93,7 +95,8 @@ void tell(const InfoRequest& o, const Scene& scene, const std::string& input, Re
   for (const Option& option : o.options->rows) {
     const bool is_of_maps = option.group == facts_group || option.group == groups::input_map ||
                             option.name == "--input-space" || option.name == "--ocio";
-    if (is_of_maps && option.name != "--max-pixels" && o.options->on_command_line(option.name))
+    if (is_of_maps && option.name != "--max-pixels" && option.name != "--allow-missing" &&
+        o.options->on_command_line(option.name))
       throw UsageError(input, fmt::format("is a scene: remove {}", option.name));
   }
   for (const std::string& remark : remarks_on(scene)) warn(fmt::format("{}: {}", input, remark));
@@ -104,6 +107,7 @@ void tell(const InfoRequest& o, const Scene& scene, const std::string& input, Re
 
 void tell(const InfoRequest& o, const std::string& input, const std::variant<Source, Scene>& found, Report& report) {
   if (const Scene* const scene = std::get_if<Scene>(&found)) return tell(o, *scene, input, report);
+  if (*o.allow_missing) throw UsageError(input, "is a map: remove --allow-missing");
   const Source& source = std::get<Source>(found);
   const MapFacts facts = facts_of(source, input, o.read.colour.space, o.towards);
   std::vector<SamplingRow> table;
@@ -175,6 +179,8 @@ Action define_info(Options& o) {
   o.flag("--sampling", r->sampling, "Print solid angle and anisotropy of texels, from the centre to the rim");
   o.add("--towards", "X,Y,Z", Triple{&r->towards}, "Normal of the plane of the illuminance (default: 0,1,0, up)");
   add_read_options(o, r->read);
+  o.group = groups::input_map;
+  add_allow_missing(o, r->allow_missing);
   add_max_memory(o, r->read);
   r->read.flaws = FlawPolicy::keep;
   return [r](Report& report) { return run(*r, report); };

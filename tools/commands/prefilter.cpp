@@ -324,6 +324,7 @@ int run(Request& o, Report& report) {
     tell_frame(o.output, *o.engine, *engine);
   else
     tell_lost_facts(o.output, made.frame(), o.write);
+  if (const std::string words = equal_brightest("prefilter", o.input, source.map); !words.empty()) note(words);
   report.put_seconds();
   return 0;
 }

@@ -6,6 +6,7 @@
 
 #include "cli/console.h"
 #include "envmap/base/error.h"
+#include "envmap/io/scene_folder.h"
 #include "envmap/operate/check_options.h"
 #include "envmap/scene/read/read_scene.h"
 #include "shared/map_options.h"
@@ -42,8 +43,16 @@ void add_context(Options& o, SceneOptions& s) {
   o.add("--context", one_of(s.context, context_names), "OpenGL renderer: {} (default: auto)");
 }
 
+void add_allow_missing(Options& o, std::optional<bool>& allow_missing) {
+  allow_missing = false;
+  o.add(
+      "--allow-missing", "", [&allow_missing](const std::string&) { return allow_missing = true, true; },
+      "Draw surfaces whose texture file is missing without it");
+}
+
 void add_scene_input(Options& o, SceneOptions& s) {
   o.group = groups::input_map;
+  add_allow_missing(o, s.allow_missing);
   add_max_pixels(o, s.read);
   add_repair(o, s.read);
 }
@@ -129,8 +138,16 @@ Shot LoadedScene::shot(double time, const SceneOptions& o) const {
   return LitScene::shot(time, ambient_of(o), !o.no_shadows);
 }
 
+Scene read_scene(const std::string& path, const ReadOptions& read, std::optional<bool> allow_missing) {
+  try {
+    return envmap::read_scene(path, read.max_pixels, allow_missing.value_or(false));
+  } catch (const MissingFile& e) {
+    throw InputError(std::string(e.what()) + (allow_missing ? ", or use --allow-missing" : ""));
+  }
+}
+
 LoadedScene load(const SceneOptions& o) {
-  LoadedScene loaded{{.scene = read_scene(o.path, o.read.max_pixels)}};
+  LoadedScene loaded{{.scene = read_scene(o.path, o.read, o.allow_missing)}};
   loaded.move_to(frames_of(o).time(frames_of(o).first));
   const Scene& scene = loaded.scene;
   loaded.inputs = scene.files;

@@ -21,6 +21,7 @@ struct SceneOptions {
   std::optional<envmap::Direction> ambient;
   envmap::ContextKind context = envmap::ContextKind::automatic;
   bool no_shadows = false;
+  std::optional<bool> allow_missing;  // Absent: the command has no such option.
   int occlusion = 64;
   envmap::Reflection reflection = envmap::Reflection::split_sum;
   double time = 0, rate = 24;
@@ -55,6 +56,11 @@ struct Frames {
 };
 /// @throws UsageError
 Frames frames_of(const SceneOptions& options);
+
+/// read_scene(), whose error about a missing texture names --allow-missing.
+/// @param allow_missing absent where the command has no such option.
+envmap::Scene read_scene(const std::string& path, const envmap::ReadOptions& read, std::optional<bool> allow_missing);
+void add_allow_missing(Options& o, std::optional<bool>& allow_missing);
 
 /// A scene with its environment. What it does not draw has been said.
 struct LoadedScene : envmap::LitScene {

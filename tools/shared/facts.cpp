@@ -83,6 +83,13 @@ void add(Report& report, const MapFacts& f) {
   report.put("face_width", level.width());
   report.put("face_height", level.height());
   report.put("space", space_of(f));
+  for (const Claim& c : s.claims) {
+    report.append("claims[]");
+    report.put("claims[].name", c.name);
+    report.put("claims[].value", c.value);
+    report.put("claims[].outcome", name(c.outcome));
+    if (!c.reason.empty()) report.put("claims[].reason", c.reason);
+  }
   report.put("minimum", Direction(m.minimum));
   report.put("maximum", Direction(m.maximum));
   report.put("mean", Direction(m.mean));
@@ -131,6 +138,9 @@ FactLines lines_of(const MapFacts& f) {
   if (s.levels > 1) line("levels", std::to_string(s.levels));
   for (const auto& [word, text] : s.facts) line(word, text);
   line("space", space_of(f));
+  for (const Claim& c : s.claims)
+    line(&c == s.claims.data() ? "claims" : "",
+         fmt::format("{}: {} ({}{}{})", c.name, c.value, name(c.outcome), c.reason.empty() ? "" : ": ", c.reason));
   line("", fmt::format("{:>12} {:>12} {:>12}", "R", "G", "B"));
   line("minimum", numbers(Direction(m.minimum)));
   line("maximum", numbers(Direction(m.maximum)));
@@ -151,7 +161,8 @@ FactLines lines_of(const MapFacts& f) {
   const std::int64_t touching = m.brightest_texels;
   line("", fmt::format("azimuth {:.1f} degrees from +Z towards +X, elevation {:.1f}{}{}", azimuth, elevation,
                        touching > 1 ? fmt::format(": the middle of {} equal texels", touching) : "",
-                       same > 1 ? fmt::format("; {} texels hold the maximum (clipped?)", same) : ""));
+                       same > 1 ? fmt::format("; {} texels hold the maximum: clipped, or a light of one value", same)
+                                : ""));
   if (m.brightest > 0)
     line("", fmt::format("convert --rotate={:.6g},0,0 turns its azimuth to +Z, --rotate sun:+z turns it to +Z",
                          0.0 - azimuth));

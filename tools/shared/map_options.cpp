@@ -80,7 +80,7 @@ void add_read_options(Options& o, ReadOptions& r) {
   o.group = groups::input_map;
   add_projection(o, "--from PROJECTION", r.projection, "Projection of the input (default: metadata, then image shape)");
   add_forward(o, "--from-forward AXIS", r.forward,
-              "Axis at the centre of the input (default: metadata, --forward, then +z)");
+              "Axis at the centre (default: metadata, --forward, +z), see also --apply-pose");
   add_layout(o, "--from-layout LAYOUT", r.layout,
              "Layout of the input's cube faces (default: metadata, then image shape)");
   o.add("--from-faces", "NAMES", &r.faces, "Names for {face} of the input (default: metadata, then px,nx,...)");
@@ -92,9 +92,16 @@ void add_read_options(Options& o, ReadOptions& r) {
   o.add("--layer", "LAYER", &r.choice.layer, "EXR: read LAYER.R, LAYER.G and LAYER.B");
   o.add("--channels", "R,G,B", &r.choice.channels, "EXR: read these channels as R, G and B, or one channel as grey")
       .excludes = "--layer";
+  o.add("--headroom", "STOPS", &r.choice.headroom, range_of(limits::headroom),
+        "JPEG with a gain map: highlights for STOPS above white; 0: none (default: all)");
   o.flag("--crop", r.choice.crop, "EXR, TIFF: read the data window as the whole image");
   o.flag("--ignore-envmap-attribute", r.ignore_envmap_attribute,
-         "Treat samples as texel centres, against the envmap attribute");
+         "Treat samples as texel centres, see also --border-samples");
+  Option& border = o.flag("--border-samples", r.border_samples,
+                          "Treat samples as lying on the image border, as OpenEXR's envmap attribute says");
+  border.excludes = "--ignore-envmap-attribute", border.folded = true;
+  o.flag("--apply-pose", r.apply_pose, "Rotate a panorama by the camera's heading, pitch and roll in its GPano XMP")
+      .folded = true;
   add_max_pixels(o, r);
   o.group = groups::colour;
   o.add("--input-space", "SPACE", &r.colour.space,

@@ -15,6 +15,7 @@
 #include "envmap/io/read_photo.h"
 #include "envmap/io/write_distances.h"
 #include "envmap/io/write_plan.h"
+#include "envmap/operate/brightest.h"
 
 namespace tools {
 namespace {
@@ -141,7 +142,8 @@ Source told(Source (*reader)(const std::string&, const ReadOptions&, const Run&)
   const Stopwatch watch;
   Source source = reader(path, options, {});
   if (source.repaired > 0) warn(fmt::format("{}: repaired {} texels", path, source.repaired));
-  settings().also_read.insert(settings().also_read.end(), source.colour_files.begin(), source.colour_files.end());
+  for (const auto* files : {&source.colour_files, &source.files})
+    settings().also_read.insert(settings().also_read.end(), files->begin(), files->end());
   for (const std::string& what : source.notes) warn(fmt::format("{}: {}", path, what));
   if (settings().verbose) {
     for (const std::string& what : source.details) detail(fmt::format("{}: {}", path, what));
@@ -157,6 +159,28 @@ Source told(Source (*reader)(const std::string&, const ReadOptions&, const Run&)
 
 Source read_map(const std::string& path, const ReadOptions& options) { return told(read, path, options); }
 Source read_picture(const std::string& path, const ReadOptions& options) { return told(read_photo, path, options); }
+
+std::string equal_brightest(std::string_view command, const std::string& path, const EnvironmentMap& map) {
+  constexpr double bright = 4;  // Times the mean: plain maps are no lights.
+  const Level& level = map.base();
+  double most = 0, sum = 0;
+  std::int64_t count = 0, all = 0;
+  for (int face = 0; face < level.faces(); ++face)
+    for (int j = 0; j < level.height(); ++j) {
+      const Columns in = level.weighted_columns(j);
+      for (int i = in.first; i < in.end; ++i) {
+        const double y = luminance_of(*level.texel(face, i, j));
+        if (y > most) most = y, count = 0;
+        count += y == most;
+        sum += y, ++all;
+      }
+      level.trim();
+    }
+  if (count < 2 || most * double(all) <= bright * sum) return {};
+  return fmt::format(
+      "envmap {}: {}: {} texels hold the largest value, {:g}: if its light was clipped, the result is too dark",
+      command, path, count, most);
+}
 
 void tell_clamping(const std::string& path, const Written& written) {
   if (written.clamped > 0)

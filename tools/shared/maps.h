@@ -16,6 +16,10 @@ envmap::Source read_map(const std::string& path, const envmap::ReadOptions& opti
 /// The same of an image that is no map: its level holds the pixels.
 envmap::Source read_picture(const std::string& path, const envmap::ReadOptions& options);
 
+/// Words where several of the brightest texels have one value, as a light does that was clipped: its flux is then wrong
+/// in what is made of the map. Empty elsewhere. @param command that makes it.
+std::string equal_brightest(std::string_view command, const std::string& path, const envmap::EnvironmentMap& map);
+
 /// Whether a file has levels of a lobe, as prefilter writes them.
 bool is_prefiltered_chain(const envmap::Source& source);
 

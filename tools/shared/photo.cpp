@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <array>
+#include <span>
 #include <utility>
+#include <vector>
 
 #include "cli/console.h"
 #include "envmap/base/error.h"
@@ -23,18 +25,18 @@ constexpr std::array<std::string_view, 3> photo_words{"fisheye", "equisolid", "h
 
 std::string words(const Circle& c) { return fmt::format("{:.2f},{:.2f},{:.2f}", c.x, c.y, c.radius); }
 
-// Nothing of "find". @throws UsageError.
-std::optional<Circle> circle_in(const std::string& text) {
+// Nothing of "find". @param option that it is of. @throws UsageError.
+std::optional<Circle> circle_in(const std::string& text, std::string_view option = "--circle") {
   if (text == "find") return std::nullopt;
   const auto numbers = triple_of(text);
   if (!numbers || numbers->z < least_radius)
-    throw UsageError(fmt::format("--circle: '{}' is neither 'find' nor X,Y,R with a radius of {} pixels or more", text,
-                                 least_radius));
+    throw UsageError(fmt::format("{}: '{}' is neither 'find' nor X,Y,R with a radius of {} pixels or more", option,
+                                 text, least_radius));
   return Circle{numbers->x, numbers->y, numbers->z};
 }
 
 // The photo with the circle on it, made smaller by a whole number.
-Picture with_circle(const Level& photo, const Circle& c) {
+Picture with_circles(const Level& photo, std::span<const Circle> circles) {
   constexpr int longest = 1600;
   const int by = (std::max(photo.width(), photo.height()) + longest - 1) / longest;
   Picture picture({std::max(1, photo.width() / by), std::max(1, photo.height() / by)}, Colour(0));
@@ -49,40 +51,90 @@ Picture with_circle(const Level& photo, const Circle& c) {
     }
   show(picture.pixels, Display::neutral);
   encode_srgb(picture.pixels);
-  draw_ring(picture, c.x / by, c.y / by, c.radius / by);
-  draw_ring(picture, c.x / by, c.y / by, 3);
+  for (const Circle& c : circles) {
+    draw_ring(picture, c.x / by, c.y / by, c.radius / by);
+    draw_ring(picture, c.x / by, c.y / by, 3);
+  }
   return picture;
 }
 
-// @throws InputError where no circle is sure; the one that was thought of is then drawn at once.
-Circle find(const std::string& path, const PhotoOptions& photo, const Level& pixels, Report& report) {
-  const auto found = find_circle(pixels);
-  if (!found) throw InputError(path, "no circle found: use --circle X,Y,R, in pixels from the upper left corner");
+// Part of a picture, from (x,y) on.
+struct Part {
+  int x = 0, y = 0, width, height;
+};
+
+std::optional<FoundCircle> find_in(const Level& photo, const Part& part) {
+  Level level(photo.projection(), part.height, part.width);
+  for (int j = 0; j < part.height; ++j)
+    std::ranges::copy(photo.row(0, part.y + j).subspan(std::size_t(part.x), std::size_t(part.width)),
+                      level.row(0, j).begin());
+  auto found = find_circle(level);
+  if (found) found->circle.x += part.x, found->circle.y += part.y;
+  if (found && found->rival) found->rival->x += part.x, found->rival->y += part.y;
+  return found;
+}
+
+// @param option that asks for it. @throws InputError where no circle is sure; the one that was thought of is then drawn
+// at once.
+Circle find(const std::string& path, const PhotoOptions& photo, const Level& pixels, const Part& part,
+            std::string_view option, Report& report) {
+  const auto found = find_in(pixels, part);
+  if (!found)
+    throw InputError(path, fmt::format("no circle found: use {} X,Y,R, in pixels from the upper left corner", option));
   const FoundCircle& f = *found;
   const std::string what = fmt::format("{} (an edge follows {:.0f}% of it and scatters by {:.2f} pixels)",
                                        words(f.circle), 100 * f.support, f.spread);
   if (!f.sure()) {
-    if (!photo.picture.empty()) write_circle(photo, with_circle(pixels, f.circle));
-    throw InputError(path, f.rival ? fmt::format("there are two circles: use --circle {} or --circle {}",
-                                                 words(f.circle), words(*f.rival))
-                                   : fmt::format("not sure of --circle {}: use --circle X,Y,R", what));
+    if (!photo.picture.empty()) write_circle(photo, with_circles(pixels, std::array{f.circle}));
+    const std::string both = photo.of == PhotoOf::ball ? "" : ", or both: --back-circle find";
+    throw InputError(path, f.rival ? fmt::format("there are two circles: use {} {} or {} {}{}", option, words(f.circle),
+                                                 option, words(*f.rival), both)
+                                   : fmt::format("not sure of {} {}: use {} X,Y,R", option, what, option));
   }
-  note(fmt::format("envmap convert: {}: found --circle {}", path, what));
-  report.put("circle.support", f.support);
-  report.put("circle.spread", f.spread);
+  note(fmt::format("envmap convert: {}: found {} {}", path, option, what));
+  const std::string key = option == "--circle" ? "circle" : "back_circle";
+  report.put(key + ".support", f.support);
+  report.put(key + ".spread", f.spread);
   return f.circle;
 }
+
+void tell_circle(const std::string& key, const Circle& c, Report& report) {
+  report.put(key + ".x", c.x);
+  report.put(key + ".y", c.y);
+  report.put(key + ".radius", c.radius);
+}
+
+// Halves of a picture with two lenses side by side: the left or the upper one, and the other.
+std::array<Part, 2> halves(const Level& pixels) {
+  const int w = pixels.width(), h = pixels.height();
+  if (w >= h) return {Part{0, 0, w / 2, h}, Part{w / 2, 0, w - w / 2, h}};
+  return {Part{0, 0, w, h / 2}, Part{0, h / 2, w, h - h / 2}};
+}
+
+bool in_one_picture(const PhotoOptions& photo) { return !photo.back_circle.empty() && photo.back.empty(); }
 
 Circle circle_of(const std::string& path, const PhotoOptions& photo, const Level& pixels, Report& report) {
   const double width = pixels.width(), height = pixels.height();
   Circle c{width / 2, height / 2, std::min(width, height) / 2};
+  const Part where = in_one_picture(photo) ? halves(pixels)[0] : Part{0, 0, pixels.width(), pixels.height()};
   if (!photo.circle.empty()) {
     const auto given = circle_in(photo.circle);
-    c = given ? *given : find(path, photo, pixels, report);
+    c = given ? *given : find(path, photo, pixels, where, "--circle", report);
   }
-  report.put("circle.x", c.x);
-  report.put("circle.y", c.y);
-  report.put("circle.radius", c.radius);
+  tell_circle("circle", c, report);
+  return c;
+}
+
+// The circle of the back, where it is not that of the front.
+std::optional<Circle> back_circle_of(const std::string& path, const PhotoOptions& photo, const Level& back,
+                                     Report& report) {
+  const bool find_both = photo.circle == "find" && !photo.back.empty();
+  if (photo.back_circle.empty() && !find_both) return std::nullopt;
+  const auto given = photo.back_circle.empty() ? std::nullopt : circle_in(photo.back_circle, "--back-circle");
+  const Part where = in_one_picture(photo) ? halves(back)[1] : Part{0, 0, back.width(), back.height()};
+  const Circle c =
+      given ? *given : find(photo.back.empty() ? path : photo.back, photo, back, where, "--back-circle", report);
+  tell_circle("back_circle", c, report);
   return c;
 }
 
@@ -90,7 +142,7 @@ void tell_covered(const std::string& path, double covered, bool back, Report& re
   report.put("covered", covered);
   if (covered < 0.9999)
     note(fmt::format("envmap convert: {} {} {:.4g}% of all directions; the rest is black", path,
-                     back ? "and --back show" : "shows", 100 * covered));
+                     back ? "and its back show" : "shows", 100 * covered));
 }
 
 EnvironmentMap map_of(const std::string& path, const PhotoOptions& photo, const Level& pixels, const Level* back,
@@ -102,14 +154,25 @@ EnvironmentMap map_of(const std::string& path, const PhotoOptions& photo, const 
     return map;
   }
   const Circle circle = circle_of(path, photo, pixels, report);
-  if (!photo.picture.empty()) made.circle = with_circle(pixels, circle);
+  if (in_one_picture(photo)) back = &pixels;
+  const auto back_circle = back ? back_circle_of(path, photo, *back, report) : std::nullopt;
+  std::vector<Circle> drawn{circle};
+  if (back_circle && back == &pixels) drawn.push_back(*back_circle);
+  if (!photo.picture.empty()) made.circle = with_circles(pixels, drawn);
   if (photo.of == PhotoOf::ball) return ball_map(pixels, circle, how);
   const Fisheye lens{.model = photo.of == PhotoOf::fisheye ? LensModel::equidistant : LensModel::equisolid,
                      .half = photo.field.value_or(180) * (pi / 360),
                      .circle = circle,
                      .width = pixels.width(),
                      .height = pixels.height()};
-  FisheyeMap shown = fisheye_map(pixels, lens, back, how);
+  std::optional<Fisheye> back_lens;
+  if (back_circle)
+    back_lens = Fisheye{.model = lens.model,
+                        .half = lens.half,
+                        .circle = *back_circle,
+                        .width = back->width(),
+                        .height = back->height()};
+  FisheyeMap shown = fisheye_map(pixels, lens, back, how, back_lens);
   tell_covered(path, shown.covered, back != nullptr, report);
   return std::move(shown.map);
 }
@@ -132,7 +195,10 @@ void add_circle(Options& o, PhotoOptions& photo) {
   o.add("--circle", "X,Y,R|find", &photo.circle, "Ball or fisheye in the photo, in pixels (--circle-picture draws it)");
   Option& picture = o.add("--circle-picture", "FILE", &photo.picture, "Draw the circle over the photo");
   picture.file = File::output, picture.folded = true;
-  o.add("--back", "FILE", &photo.back, "Photo of the other half, opposite (not for balls)").file = File::input;
+  o.add("--back", "FILE", &photo.back, "Photo of the other half, or --back-circle X,Y,R in the same picture").file = File::input;
+  o.add("--back-circle", "X,Y,R|find", &photo.back_circle,
+        "Circle of the other half, in --back FILE or in the same picture")
+      .folded = true;
 }
 
 void settle(PhotoOptions& photo, const ReadOptions& read) {
@@ -141,6 +207,9 @@ void settle(PhotoOptions& photo, const ReadOptions& read) {
   const bool lens = round && photo.of != PhotoOf::ball;
   if (!photo.circle.empty() && !round) throw UsageError("--circle is for --from sphere, fisheye and equisolid");
   if (!photo.circle.empty()) (void)circle_in(photo.circle);
+  if (!photo.back_circle.empty() && (!lens || photo.circle.empty()))
+    throw UsageError("--back-circle is for --from fisheye and equisolid with --circle");
+  if (!photo.back_circle.empty()) (void)circle_in(photo.back_circle, "--back-circle");
   if (!photo.picture.empty() && !round) throw UsageError("--circle-picture draws the circle: use --circle, too");
   if (!photo.picture.empty() && (!is_picture(photo.picture) || is_linear_picture(photo.picture)))
     throw UsageError(photo.picture, "--circle-picture must be a .png or .jpg");
@@ -148,15 +217,19 @@ void settle(PhotoOptions& photo, const ReadOptions& read) {
     throw UsageError("--back is for --from fisheye, equisolid and half-paraboloid");
   if (photo.field && !lens)
     throw UsageError("--fov is for --from fisheye and equisolid, and for --to perspective, fisheye and cylinder");
-  if (photo.of && (read.level > 0 || read.layout || read.border || read.ignore_envmap_attribute))
+  if (photo.of && (read.level > 0 || read.layout || read.border || read.ignore_envmap_attribute ||
+                   read.border_samples || read.apply_pose))
     throw UsageError(
-        "--level, --from-layout, --from-border and --ignore-envmap-attribute are for maps, not for photos");
+        "--level, --from-layout, --from-border, --ignore-envmap-attribute, --border-samples and --apply-pose are for "
+        "maps, not for photos");
   if (photo.of && !lens && read.forward)
     throw UsageError("--from-forward is for latlong and angular maps and for fisheyes: use --rotate");
 }
 
 PhotoSource read_photo(const std::string& path, const PhotoOptions& photo, const ReadOptions& read, Report& report) {
   PhotoSource made{.source = read_picture(path, read), .circle = {}};
+  if (is_integer(made.source.depth))
+    note(fmt::format("envmap convert: {}: holds no values above 1: lights that are brighter were clipped", path));
   std::optional<Source> back;
   if (!photo.back.empty()) back = read_picture(photo.back, read);
   Source& source = made.source;

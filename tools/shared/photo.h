@@ -15,13 +15,13 @@ enum class PhotoOf { ball, fisheye, equisolid, half_paraboloid };
 
 struct PhotoOptions {
   std::optional<PhotoOf> of;  // Absent: a map, or a photo cropped to a ball.
-  std::string circle, picture, back;
+  std::string circle, back_circle, picture, back;
   std::optional<double> field;  // Degrees; absent: 180.
 };
 
 // The words of --from that name photos. To be called after add_read_options().
 void add_photo_words(Options& options, PhotoOptions& photo, envmap::ReadOptions& read);
-// --circle, --circle-picture and --back.
+// --circle, --back-circle, --circle-picture and --back.
 void add_circle(Options& options, PhotoOptions& photo);
 
 // Settles what the input is. @throws UsageError where options contradict each other.

@@ -36,6 +36,7 @@ inline constexpr Bounds table_size{"size", 1, 1024};
 inline constexpr Bounds cosine{"cosine", 1.0 / 2048, 1};
 inline constexpr Bounds border{"border", 0, 1024};
 inline constexpr Bounds level{"level", 0, 31};
+inline constexpr Bounds headroom{"headroom", 0, 100};  ///< Stops.
 inline constexpr Bounds chain_size{"chain_size", 1, 4096};
 inline constexpr Bounds exposure{"exposure", -100, 100};
 inline constexpr Bounds threads{"threads", 0, 1024};

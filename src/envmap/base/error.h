@@ -47,6 +47,7 @@ enum class Remedy {
   choose_faces,           ///< ReadOptions::faces.
   make_levels,            ///< Levels made by add_levels() instead of those of the source.
   make_cube,              ///< A cube, which convert() makes.
+  take_base,              ///< ReadOptions::choice.headroom = 0: the picture without its gain map.
   make_all_levels,        ///< All levels down to one texel, which add_levels() makes.
 };
 

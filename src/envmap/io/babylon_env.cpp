@@ -31,6 +31,10 @@ std::string header_of(const InputFile& file) {
   return text;
 }
 
+struct FilePart {
+  std::uint64_t offset, size;
+};
+
 std::vector<FilePart> parts_of(const Json& header, std::uint64_t start, std::uint64_t end) {
   std::vector<FilePart> parts;
   for (const Json& image : header.at("specular").at("mipmaps")) {
@@ -81,8 +85,13 @@ TextureFile open_env(const InputFile& file) {
     if (version < 1 || version > 2)
       throw InputError(fmt::format("is an .env file of version {}: only versions 1 and 2 can be read", version));
     if (const std::string type = header.value("imageType", "image/png"); type != "image/png")
-      throw InputError(fmt::format("its faces are {} images: only image/png can be read", type));
-    return rgbd_texture(file, "env", parts_of(header, env_mark.size() + text.size() + 1, file.size()));
+      throw InputError(fmt::format(
+          "not supported: faces that are {} images: export the .env file with image/png, Babylon.js' default", type));
+    const std::vector<FilePart> parts = parts_of(header, env_mark.size() + text.size() + 1, file.size());
+    const auto image = [parts](const InputFile& from, std::size_t k) {
+      return read_bytes(from, parts[k].offset, parts[k].size);
+    };
+    return rgbd_texture(file, "env", parts.size(), image, file.size());
   } catch (const Json::exception&) {
     throw InputError("damaged: its header is not that of an .env file");
   }

@@ -27,7 +27,8 @@ struct ColourOptions {
 struct ClaimedSpace {
   std::string name = {};  ///< Empty where none of the config has these primaries.
   std::optional<Primaries> primaries = {};
-  std::string by = {};  ///< What says so, for people: "chromaticities".
+  std::string by = {};   ///< What says so, for people: "chromaticities".
+  bool decoded = false;  ///< Reading undid the curve of the space: values are linear light of its primaries.
 };
 
 /// "ACEScg (chromaticities)", "primaries 0.64,0.33 ..."; of nothing said "Linear Rec.709 (assumed, not specified in the

@@ -4,7 +4,6 @@
 /// the file, where it is damaged or holds what is not read.
 #pragma once
 
-#include <optional>
 #include <span>
 #include <string_view>
 
@@ -43,9 +42,13 @@ TextureFile open_ktx1(const InputFile& file);
 /// With the DX10 header; face after face, each with all its levels. DDS holds no metadata.
 void write_dds(OutputFile& file, std::span<const Atlas> levels, const TexturePlan& plan, const Progress& progress);
 
-/// The header of a file that begins with "DDS ". Not read: arrays, volumes.
-/// @return nothing where its texels are not in texel_formats: those OpenImageIO may read.
-std::optional<TextureFile> open_dds(const InputFile& file);
+/// Texels of texel_formats, integers between masks, grey, and BC1 to BC4 and BC7 where the module of formats is: the
+/// blocks alone go through it. Not read: arrays, volumes, cubes that lack a face, channels with a sign.
+TextureFile open_dds(const InputFile& file);
+
+/// Images on surfaces are left to OpenImageIO. @throws InputError where its integers lie as no program means them:
+/// OpenImageIO 2.4 goes round and round where a channel has no bits.
+void check_dds(const InputFile& file);
 
 // .env of Babylon.js: a header in JSON, and the faces of all levels as RGBD in PNG images. Source: GetEnvInfo,
 // CreateEnvTextureAsync and UploadEnvLevelsAsync in packages/dev/core/src/Misc/environmentTextureTools.ts (9.34). The
@@ -72,10 +75,11 @@ TextureFile open_env(const InputFile& file);
 void write_gltf_light(OutputFile& file, std::span<const Atlas> levels, const TexturePlan& plan,
                       const Progress& progress);
 
-/// Whether a file begins as a .glb.
-bool is_glb(std::string_view head);
+/// Whether a file begins as a .glb or, as JSON, a .gltf.
+bool is_gltf(std::string_view head);
 
-/// The first light of a .glb file, whose images are in it as PNG.
-TextureFile open_gltf_light(const InputFile& file);
+/// The light of a scene, or the first one. Its images may lie in the file, in buffers and files beside it, and in data
+/// URIs, as PNG or JPEG. @param path where the files that it names lie.
+TextureFile open_gltf_light(const InputFile& file, const std::string& path);
 
 }  // namespace envmap

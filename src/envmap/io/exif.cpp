@@ -56,7 +56,7 @@ bool tells_facts(std::string_view xmp) {
   std::string lower(xmp);
   std::ranges::transform(lower, lower.begin(), [](unsigned char c) { return std::tolower(c); });
   constexpr const char* names[] = {"orientation", "imagedescription", "dc:description", "rights", "copyright",
-                                   "envmap:",     "textureformat",    "acesimage",      "oiio:",  "hdrgm:"};
+                                   "envmap:",     "textureformat",    "acesimage",      "oiio:"};
   return std::ranges::any_of(names, [&](const char* name) { return lower.find(name) != lower.npos; });
 }
 

@@ -4,6 +4,8 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cctype>
+#include <utility>
 #include <vector>
 
 #include "envmap/base/error.h"
@@ -117,6 +119,36 @@ FaceFiles face_files(std::string_view text) {
     files[k].name = named[k].name;
   }
   return files;
+}
+
+namespace {
+
+// Of "px", "PX" or "+X".
+std::size_t face_named(std::string_view text, std::string_view name) {
+  std::string plain(name);
+  std::ranges::transform(plain, plain.begin(), [](unsigned char c) { return std::tolower(c); });
+  if (plain.size() == 2 && (plain[0] == '+' || plain[0] == '-')) plain[0] = plain[0] == '+' ? 'p' : 'n';
+  const auto* const found = std::ranges::find(cube_face_names, plain);
+  if (found == std::end(cube_face_names))
+    throw UsageError(fmt::format("faces {}: '{}' is none of {}: one image holds faces in the order of these names",
+                                 text, name, fmt::join(cube_face_names, ", ")));
+  return std::size_t(found - cube_face_names);
+}
+
+}  // namespace
+
+std::array<FaceCell, 6> face_cells(std::string_view text) {
+  const FaceFiles files = face_files(text);
+  const std::string_view convention = convention_of(text);
+  std::array<FaceCell, 6> cells;
+  std::array<bool, 6> there = {};
+  for (std::size_t k = 0; k < cells.size(); ++k) {
+    const std::size_t face = convention == text ? k : face_named(text, files[k].name);
+    cells[k] = {face, convention.empty() ? files[k].stored : files[face].stored};
+    if (std::exchange(there[face], true))
+      throw UsageError(fmt::format("faces {}: {} is named twice", text, cube_face_names[face]));
+  }
+  return cells;
 }
 
 }  // namespace envmap

@@ -35,6 +35,17 @@ std::span<const FaceConvention> face_conventions();
 /// @throws UsageError where it is none of these.
 FaceFiles face_files(std::string_view text);
 
+/// A place of one image that holds all faces of a cube: the face in it, from 0, and how it lies there.
+struct FaceCell {
+  std::size_t face;
+  Orientation stored;
+};
+
+/// The places of such an image, from left to right and from the top. @param text as face_files() has it: the order of
+/// its names, which are px nx py ny pz nz (or +X -X ...), is that of the places; or a convention alone, which says how
+/// faces lie in the usual order. @throws UsageError where it is none of these.
+std::array<FaceCell, 6> face_cells(std::string_view text);
+
 /// The convention that such a text names, or nothing.
 std::string_view convention_of(std::string_view text);
 

@@ -9,7 +9,9 @@
 
 #include "envmap/base/words.h"
 #include "envmap/io/containers.h"
+#include "envmap/io/heif_colour.h"
 #include "envmap/io/image.h"
+#include "envmap/io/module_colour.h"
 #include "envmap/io/png.h"
 #include "envmap/io/radiance.h"
 #include "envmap/io/row_readers.h"
@@ -116,7 +118,13 @@ constexpr FileFormat directx{
     .is_head = [](Head h) { return h.starts_with("DDS "); },
     .levels = true,
     .texture = true,
-    .open = [](Image& i, const ImageChoice&) { i.texture = open_dds(*i.file); },
+    .open =
+        [](Image& i, const ImageChoice&) {
+          if (i.for_texture)
+            check_dds(*i.file);
+          else
+            i.texture = open_dds(*i.file);
+        },
     .write = write_dds,
     .least_bytes = texture_bytes,
 };
@@ -138,13 +146,13 @@ constexpr FileFormat gltf_light{
     .title = "glTF light",
     .extensions = glb,
     .depths = rgbd,
-    .is_head = is_glb,
+    .is_head = is_gltf,
     .frame = true,
     .levels = true,
     .texture = true,
     .cubes_alone = true,
     .irradiance = true,
-    .open = [](Image& i, const ImageChoice&) { i.texture = open_gltf_light(*i.file); },
+    .open = [](Image& i, const ImageChoice&) { i.texture = open_gltf_light(*i.file, i.name); },
     .write = write_gltf_light,
 };
 constexpr FileFormat portable_network{
@@ -155,7 +163,7 @@ constexpr FileFormat portable_network{
     .is_head = [](Head h) { return h.starts_with("\x89PNG"); },
     .frame = true,
     .abilities = FileFormat::picture | FileFormat::encoded_values,
-    .open = [](Image& i, const ImageChoice&) { i.reader = open_png(*i.file, i.for_texture); },
+    .open = [](Image& i, const ImageChoice&) { i.reader = open_png(*i.file, i.for_texture, &i.found); },
     .create = create_png,
 };
 
@@ -167,7 +175,7 @@ constexpr FileFormat tagged_images{
     .is_head = [](Head h) { return h.starts_with("II") || h.starts_with("MM"); },
     .frame = true,
     .abilities = FileFormat::table | FileFormat::window | FileFormat::encoded_values,
-    .open = [](Image& i, const ImageChoice&) { i.reader = open_tiff(*i.file); },
+    .open = [](Image& i, const ImageChoice&) { i.reader = open_tiff(*i.file, &i.found); },
 };
 constexpr FileFormat photographs{
     .name = "jpeg",
@@ -176,43 +184,34 @@ constexpr FileFormat photographs{
     .depths = bytes,
     .is_head = [](Head h) { return h.starts_with("\xff\xd8"); },
     .frame = true,
-    .abilities = FileFormat::picture | FileFormat::encoded_values,
-    .open = [](Image& i, const ImageChoice&) { i.reader = open_jpeg(*i.file); },
+    .abilities = FileFormat::picture | FileFormat::encoded_values | FileFormat::gain_map,
+    .open = [](Image& i, const ImageChoice& choice) { i.reader = open_jpeg(*i.file, choice.headroom, i.for_texture); },
 };
 
 // One that OpenImageIO reads and writes.
 constexpr FileFormat other(std::string_view name, std::string_view title, std::span<const Extension> extensions,
-                           std::span<const Depth> depths, bool (*is_head)(Head), bool frame = false) {
+                           std::span<const Depth> depths, bool (*is_head)(Head), bool frame = false,
+                           void (*open)(Image& image, const ImageChoice& choice) = nullptr) {
   return {.name = name,
           .title = title,
           .extensions = extensions,
           .depths = depths,
           .is_head = is_head,
           .frame = frame,
-          .abilities = FileFormat::encoded_values};
+          .abilities = FileFormat::encoded_values,
+          .open = open};
 }
 
 bool is_brand(Head h, std::string_view brands) {
   return h.find("ftyp") == 4 && h.size() >= 12 && brands.find(h.substr(8, 4)) != brands.npos;
 }
 
-// What OpenImageIO makes of HEIF files has 8 bits and their own curve: it must be one of a screen (ISO/IEC 23091-2,
-// table 3).
-void check_curve(Image& image, const ImageChoice&) {
-  constexpr unsigned pq = 16, hlg = 18;
-  std::string head(std::min<std::uint64_t>(image.file->size(), 1 << 16), '\0');
-  head.resize(image.file->pread(head.data(), head.size(), 0));
-  const std::size_t box = head.find("colrnclx");
-  if (box == head.npos || box + 12 > head.size()) return;
-  const unsigned curve =
-      unsigned(static_cast<unsigned char>(head[box + 10])) << 8U | static_cast<unsigned char>(head[box + 11]);
-  if (curve == pq || curve == hlg)
-    throw InputError(
-        fmt::format("holds {} values, which are not read: make an EXR of it first", curve == pq ? "PQ" : "HLG"));
-}
-
 constexpr FileFormat efficiency(std::string_view title, bool (*is_head)(Head)) {
-  return {.name = "heif", .title = title, .is_head = is_head, .open = check_curve};
+  return {.name = "heif",
+          .title = title,
+          .is_head = is_head,
+          .abilities = FileFormat::encoded_values | FileFormat::gain_map,
+          .open = [](Image& i, const ImageChoice& c) { read_heif_colours(*i.file, c.headroom, i.found); }};
 }
 
 // In the order in which people are told of them.
@@ -229,12 +228,21 @@ constexpr FileFormat table[] = {
     portable_network,
     other("pnm", "PNM", ppm, bytes, [](Head h) { return is_pnm(h, "123456"); }),
     photographs,
-    other("targa", "TGA", targa, bytes, nullptr, true),
-    other("bmp", "BMP", bmp, bytes, [](Head h) { return h.starts_with("BM"); }),
-    other("webp", "WebP", webp, bytes, [](Head h) { return h.starts_with("RIFF") && h.find("WEBP") == 8; }),
-    other("jpeg2000", "JPEG 2000", {}, {},
-          [](Head h) { return h.find("jP  ") == 4 || h.starts_with("\xff\x4f\xff\x51"); }),
-    other("gif", "GIF", {}, {}, [](Head h) { return h.starts_with("GIF8"); }),
+    other("targa", "TGA", targa, bytes, nullptr, true,
+          [](Image& i, const ImageChoice&) { read_targa_colours(*i.file, i.found); }),
+    other(
+        "bmp", "BMP", bmp, bytes, [](Head h) { return h.starts_with("BM"); }, false,
+        [](Image& i, const ImageChoice&) { read_bmp_colours(*i.file, i.found); }),
+    other(
+        "webp", "WebP", webp, bytes, [](Head h) { return h.starts_with("RIFF") && h.find("WEBP") == 8; }, false,
+        [](Image& i, const ImageChoice&) { read_webp_colours(*i.file, i.found); }),
+    other(
+        "jpeg2000", "JPEG 2000", {}, {},
+        [](Head h) { return h.find("jP  ") == 4 || h.starts_with("\xff\x4f\xff\x51"); }, false,
+        [](Image& i, const ImageChoice&) { read_jpeg2000_colours(*i.file, i.found); }),
+    other(
+        "gif", "GIF", {}, {}, [](Head h) { return h.starts_with("GIF8"); }, false,
+        [](Image& i, const ImageChoice&) { read_gif_colours(*i.file, i.found); }),
     other("psd", "PSD", {}, {}, [](Head h) { return h.starts_with("8BPS"); }),
     efficiency("HEIF", [](Head h) { return is_brand(h, "heic heix heim heis hevc hevx mif1 msf1"); }),
     efficiency("AVIF", [](Head h) { return is_brand(h, "avif avis"); }),

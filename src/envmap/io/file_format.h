@@ -37,6 +37,7 @@ struct FileFormat {
     encoded_values = 64,  ///< Can say that its values are not linear.
     parts = 128,          ///< ImageChoice::part, layer and channels.
     window = 256,         ///< ImageChoice::crop.
+    gain_map = 512,       ///< ImageChoice::headroom.
   };
 
   std::string_view name;   ///< As OpenImageIO names it, and info does.

@@ -1,13 +1,18 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <bit>
+#include <cmath>
+#include <glm/gtc/quaternion.hpp>
+#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "envmap/base/error.h"
 #include "envmap/io/containers.h"
+#include "envmap/io/gltf_document.h"
 #include "envmap/io/rgbd.h"
-#include "envmap/io/whole_number.h"
 #include "envmap/io/write_plan.h"
+#include "envmap/maths/portable.h"
 
 namespace envmap {
 namespace {
@@ -85,33 +90,89 @@ void write_gltf_light(OutputFile& file, std::span<const Atlas> levels, const Tex
     }
 }
 
-bool is_glb(std::string_view head) { return head.starts_with("glTF"); }
+bool is_gltf(std::string_view head) {
+  constexpr std::string_view byte_order_mark = "\xef\xbb\xbf";
+  if (head.starts_with(byte_order_mark)) head.remove_prefix(byte_order_mark.size());
+  return head.starts_with("glTF") ||
+         head.substr(std::min(head.find_first_not_of(" \t\r\n"), head.size())).starts_with('{');
+}
 
-TextureFile open_gltf_light(const InputFile& file) {
-  const auto h = read_as<GlbHeader>(file, 0);
-  if (h.version != 2 || h.json_type != json_chunk) throw InputError("damaged: not glTF 2.0");
-  const std::vector<std::byte> text = read_bytes(file, sizeof h, h.json_size);
-  const std::uint64_t start = sizeof h + std::uint64_t{h.json_size} + sizeof(ChunkHeader);
-  try {
-    const Json gltf = Json::parse(reinterpret_cast<const char*>(text.data()),
-                                  reinterpret_cast<const char*>(text.data() + text.size()));
-    if (!gltf.contains("extensions") || !gltf["extensions"].contains(extension_name))
-      throw InputError(fmt::format("glTF without a light of {}: a scene is drawn by 'envmap render'", extension_name));
-    std::vector<FilePart> parts;
-    for (const Json& level : gltf["extensions"][extension_name].at("lights").at(0).at("specularImages"))
-      for (const Json& index : level) {
-        const Json& image = gltf.at("images").at(whole_number(index));
-        const Json& view = gltf.at("bufferViews").at(whole_number(image.at("bufferView")));
-        const std::uint64_t offset = view.contains("byteOffset") ? whole_number(view["byteOffset"]) : 0;
-        if ((view.contains("buffer") && whole_number(view["buffer"]) != 0) || offset > file.size())
-          throw InputError("damaged: an image lies beyond its end");
-        parts.push_back({start + offset, whole_number(view.at("byteLength"))});
+namespace {
+
+// The light that the scene shows, else the first.
+Field light_in(const GltfDocument& document) {
+  const Field root = document.root(), all = root["extensions"][extension_name]["lights"], scenes = root["scenes"];
+  if (all.size() == 0)
+    throw InputError(fmt::format("glTF without a light of {}: a scene is drawn by 'envmap render'", extension_name));
+  if (scenes.size() == 0) return all[std::size_t{0}];
+  const Field scene = scenes[root["scene"].index(scenes.size(), 0)];
+  return all[scene["extensions"][extension_name]["light"].index(all.size(), 0)];
+}
+
+// The file of each face, in levels.
+std::vector<std::vector<std::byte>> images_in(GltfDocument& document, const Field& light) {
+  std::vector<std::vector<std::byte>> files;
+  const Field levels = light["specularImages"];
+  constexpr std::size_t most_levels = 32;  // A file can name one image again and again.
+  if (levels.size() > most_levels) levels.fail(fmt::format("holds {} levels, more than any map", levels.size()));
+  for (std::size_t k = 0; k < levels.size(); ++k) {
+    if (levels[k].size() != 6) levels[k].fail(fmt::format("holds {} images, not six faces", levels[k].size()));
+    for (std::size_t face = 0; face < 6; ++face) {
+      const Field image = document.refer(levels[k][face], "images");
+      if (image["uri"].there()) {
+        Resource read = bytes_at(document, image["uri"]);
+        files.push_back(std::move(read.bytes));
+        if (!read.file.empty()) document.files.push_back(read.file);
+        continue;
       }
-    return rgbd_texture(file, "glb", std::move(parts));
-  } catch (const Json::exception&) {
-    throw InputError(fmt::format("damaged: its {} is not as that extension has it, with PNG images inside the file",
-                                 extension_name));
+      const auto bytes = view_bytes(document, image["bufferView"]);
+      files.emplace_back(bytes.begin(), bytes.end());
+    }
   }
+  return files;
+}
+
+glm::dquat rotation_of(const Field& field) {
+  const std::vector<double> q = field.numbers({0, 0, 0, 1});
+  const double length = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+  if (std::abs(length - 1) > 0.01) field.fail(fmt::format("has the length {:g}: no unit quaternion", length));
+  return glm::dquat(q[3], q[0], q[1], q[2]) / length;
+}
+
+void read_claims(const Field& light, TextureFile& texture) {
+  texture.gain = light["intensity"].number(1, 0, 1e30);
+  const glm::dquat turn = rotation_of(light["rotation"]);
+  texture.rotation = glm::mat3_cast(turn);
+  const Field size = light["specularImageSize"];
+  if (size.there() && size.number() != texture.width)
+    texture.notes.push_back(
+        fmt::format("specularImageSize says {}: its images are {}x{}", size.number(), texture.width, texture.height));
+  if (light["intensity"].there())
+    texture.claims.push_back({.name = "intensity", .value = fmt::format("{:g}", texture.gain)});
+  if (texture.gain != 1) texture.details.push_back(fmt::format("multiplied by its intensity of {:g}", texture.gain));
+  const double axis = std::sqrt(turn.x * turn.x + turn.y * turn.y + turn.z * turn.z);
+  const double degrees = 360 / pi * portable::atan2(axis, std::abs(turn.w));
+  if (light["rotation"].there())
+    texture.claims.push_back({.name = "rotation", .value = fmt::format("{:.6g} degrees", degrees)});
+  if (degrees > 1e-6) texture.details.push_back(fmt::format("turned by {:.6g} degrees, as its rotation says", degrees));
+}
+
+}  // namespace
+
+TextureFile open_gltf_light(const InputFile& file, const std::string& path) {
+  const std::vector<std::byte> bytes = read_bytes(file, 0, file.size());
+  std::optional<std::span<const std::byte>> bin;
+  GltfDocument document = parse_gltf(bytes, SceneFolder(path), bin);
+  const Field light = light_in(document);
+  load_buffers(document, bin);
+  const auto files = std::make_shared<const std::vector<std::vector<std::byte>>>(images_in(document, light));
+  std::uint64_t size = 0;
+  for (const auto& image : *files) size += image.size();
+  TextureFile texture = rgbd_texture(
+      file, "glb", files->size(), [files](const InputFile&, std::size_t k) { return (*files)[k]; }, size);
+  read_claims(light, texture);
+  texture.files = document.files;
+  return texture;
 }
 
 }  // namespace envmap

@@ -10,6 +10,7 @@
 #include "envmap/io/file_format.h"
 #include "envmap/io/formats.h"
 #include "envmap/io/orientation.h"
+#include "envmap/io/read_icc.h"
 
 namespace envmap {
 
@@ -19,7 +20,8 @@ void Image::read(int level, int begin, int end, int first, int count, std::span<
   try {
     reader->read(level, begin, end, first, count, out);
   } catch (const InputError& e) {
-    fail(std::string("truncated or damaged: ") + e.what());
+    const std::string why = e.what();
+    fail(why.starts_with("not supported") ? why : "truncated or damaged: " + why);
   }
 }
 
@@ -37,8 +39,19 @@ void naming(const Image& image, const std::string& before, F&& action) {
   try {
     action();
   } catch (const InputError& e) {
-    image.fail(before + e.what(), e.remedy());
+    // A sound file of a kind that is not read is an image all the same.
+    const std::string why = e.what();
+    image.fail(why.starts_with("not supported") ? why : before + why, e.remedy());
   }
+}
+
+// Our own readers know more of colours than OpenImageIO tells.
+void add_found(const ImageFacts& found, ImageFacts& facts) {
+  facts.claims.insert(facts.claims.end(), found.claims.begin(), found.claims.end());
+  if (!found.icc_profile.empty()) facts.icc_profile = found.icc_profile;
+  if (!found.colour) return;
+  facts.colour = found.colour;
+  facts.icc_profile.clear();
 }
 
 // Image::file -> its reader. OpenImageIO asked about a file it does not know tries 30 readers in turn, and some write
@@ -57,6 +70,8 @@ void open_as_its_bytes_say(Image& image, const std::string& path, const ImageCho
     throw UsageError(image.name, "parts, layers and channels are chosen of EXR files alone");
   if (choice.crop && !known->can(FileFormat::window))
     throw UsageError(image.name, "only EXR and TIFF files have a data window that could be read alone");
+  if (choice.headroom && !known->can(FileFormat::gain_map))
+    throw UsageError(image.name, "only JPEG and HEIF files have gain maps, which headroom is for");
   naming(image, "", [&] {
     file.read_all();
     image.size = file.size();
@@ -72,7 +87,9 @@ void open_as_its_bytes_say(Image& image, const std::string& path, const ImageCho
       image.reader =
           formats().open(format, path.empty() ? image.name : path, file.bytes(), image.for_texture, choice.crop);
       check_tiles(image.reader->facts);
+      add_found(image.found, image.reader->facts);
     }
+    if (!image.for_texture && !image.reader->facts.icc_profile.empty()) honour_profile(*image.reader);
     // The coordinates of a texture count from its first texel, whatever way a camera was held.
     if (!image.for_texture && image.reader->facts.orientation != Orientation::upright)
       image.reader = turned_upright(std::move(*image.reader));

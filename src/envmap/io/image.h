@@ -23,8 +23,10 @@ struct Image {
   std::unique_ptr<InputFile> file;
   std::optional<ImageReader> reader;
   std::optional<TextureFile> texture;
+  /// What our own reader saw of the colours of an image that OpenImageIO has to read.
+  ImageFacts found = {};
   bool for_texture = false;  ///< Texels stay as stored: colours not multiplied by alpha, rows not turned upright.
-  bool decode = true;        ///< Values that are sRGB encoded become linear; else they stay as they are.
+  bool decode = true;        ///< Values become linear light where the file tells how; else they stay as they are.
 
   /// Rows, as ImageReader::read. @throws InputError, with the name of the file.
   void read(int level, int begin, int end, int first, int count, std::span<float> out) const;

@@ -181,12 +181,15 @@ TextureFile open_ktx2(const InputFile& file) {
   const auto* format = std::ranges::find(texel_formats, h.vk_format, &TexelFormat::vulkan);
   if (format == std::end(texel_formats))
     throw InputError(
-        fmt::format("KTX2 with VkFormat {}: only RGB as bytes, floats, E5B9G9R9 or BC6H is read", h.vk_format));
+        fmt::format("not supported: KTX2 with VkFormat {}: only RGB as bytes, floats, E5B9G9R9 or BC6H is read",
+                    h.vk_format));
   if (h.scheme != plain && h.scheme != zstandard)
-    throw InputError(fmt::format("KTX2 with supercompression {}: only none and Zstandard are read", h.scheme));
+    throw InputError(
+        fmt::format("not supported: KTX2 with supercompression {}: only none and Zstandard are read", h.scheme));
   if (h.depth != 0 || h.layers > 1 || (h.faces != 1 && h.faces != 6))
-    throw InputError(fmt::format("KTX2 of depth {}, {} layers and {} faces: one flat image or one cube map is read",
-                                 h.depth, h.layers, h.faces));
+    throw InputError(
+        fmt::format("not supported: KTX2 of depth {}, {} layers and {} faces: one flat image or one cube map is read",
+                    h.depth, h.layers, h.faces));
   constexpr std::uint32_t most = 0x7fffffff;
   TextureFile t{.container = "ktx2",
                 .texels = format->texels,
@@ -200,7 +203,8 @@ TextureFile open_ktx2(const InputFile& file) {
   if (const std::string& o = pairs["KTXorientation"]; !o.empty()) {
     t.bottom_up = o == "ru";
     if (o != "rd" && (o != "ru" || t.cube))
-      throw InputError(fmt::format("KTX2 of orientation '{}': 'rd' is read, and 'ru' of flat images", o));
+      throw InputError(
+          fmt::format("not supported: KTX2 of orientation '{}': 'rd' is read, and 'ru' of flat images", o));
   }
   t.recorded = recorded(pairs);
   t.colour = described_colour(file, h);

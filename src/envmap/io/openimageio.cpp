@@ -81,6 +81,13 @@ ImageFacts facts_of(const OIIO::ImageSpec& spec, const OIIO::ImageInput& input) 
     if (p.type() == OIIO::TypeDesc::STRING) f.attributes.emplace(p.name().string(), p.get_string());
   // Only in OpenEXR files do its environment maps have samples on their border.
   if (spec.get_int_attribute("oiio:sampleborder") == 0) f.attributes.erase("textureformat");
+  // Of planes a strip is read from its first row on: the rows of a strip go together, as those of tiles do.
+  const int rows = spec.get_int_attribute("tiff:RowsPerStrip", 0);
+  if (spec.get_string_attribute("planarconfig") == "separate" && spec.tile_width == 0 && rows > 0)
+    f.tile_width = spec.width, f.tile_height = std::min(rows, spec.height);
+  if (const OIIO::ParamValue* profile = spec.find_attribute("ICCProfile");
+      profile && profile->type().basetype == OIIO::TypeDesc::UINT8)
+    f.icc_profile.assign(static_cast<const char*>(profile->data()), profile->type().size());
   const int orientation = spec.get_int_attribute("Orientation", 1);
   if (orientation >= 1 && orientation <= 8) f.orientation = static_cast<Orientation>(orientation);
   return f;
@@ -109,6 +116,20 @@ struct Input {
       : memory(const_cast<char*>(bytes.data()), bytes.size()), reader(OIIO::ImageInput::create(format)) {}
 };
 
+// An ICC profile says in bytes 16 to 19 what its values are (ICC.1, section 7.2.6).
+bool is_of_inks(const std::string& profile) { return profile.size() > 20 && profile.compare(16, 4, "CMYK") == 0; }
+
+// Of inks, OpenImageIO makes RGB by a rule of thumb, which knows no profile, unless it is asked for the inks.
+void reopen_raw(Input& in, const std::string& path, OIIO::ImageSpec config, ImageFacts& facts) {
+  OIIO::ImageSpec spec;
+  config.attribute("oiio:RawColor", 1);
+  in.reader->close();
+  if (!in.reader->open(path, spec, config)) throw InputError(first_line(in.reader->geterror(), "no image"));
+  if (spec.nchannels < 4) return;
+  facts = facts_of(spec, *in.reader);
+  facts.inks = std::string(in.reader->format_name()) == "psd" ? ImageFacts::Inks::inverted : ImageFacts::Inks::there;
+}
+
 ImageReader open(const std::string& format, const std::string& path, std::span<const char> bytes, bool straight_alpha,
                  bool crop) {
   use_our_threads();
@@ -132,6 +153,7 @@ ImageReader open(const std::string& format, const std::string& path, std::span<c
                          [in](int level, int begin, int end, int first, int count, std::span<float> out) {
                            read_rows(*in->reader, level, begin, end, first, count, out);
                          }};
+  if (is_of_inks(reader.facts.icc_profile)) reopen_raw(*in, path, config, reader.facts);
   // The window of a cube in a DDS file is that of its first face.
   const bool is_cube = spec.find_attribute("dds:CubeMapSides") != nullptr;
   if (is_cube || (spec.full_width == spec.width && spec.full_height == spec.height && spec.full_x == spec.x &&

@@ -1,5 +1,7 @@
 #include "envmap/io/orientation.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <memory>
 
@@ -36,6 +38,11 @@ ImageReader turned_upright(ImageReader stored) {
   ImageReader upright{.format = stored.format, .facts = stored.facts};
   if (is_transposed(orientation)) std::swap(upright.facts.width, upright.facts.height);
   upright.facts.orientation = Orientation::upright;
+  constexpr const char* first_row[] = {"top", "top", "bottom", "bottom", "left", "right", "right", "left"};
+  constexpr const char* first_column[] = {"left", "right", "right", "left", "top", "top", "bottom", "bottom"};
+  const std::size_t number = std::size_t(orientation) - 1;
+  upright.facts.claims.push_back(
+      {"orientation", fmt::format("first row {}, first column {}", first_row[number], first_column[number])});
   upright.facts.details.emplace_back("turned upright");
   upright.facts.tile_width = upright.facts.tile_height = 0;
   const auto whole = std::make_shared<Whole>();
@@ -85,13 +92,13 @@ Rows stored_rows(const Rows& rows, int face, Orientation o) {
   return stored;
 }
 
-void copy_upright(const Level& stored, Orientation o, Level& map, int face) {
+void copy_upright(const Level& stored, int stored_face, Orientation o, Level& map, int face) {
   const int n = map.height();
   parallel_for(n, [&](int y) {
     const auto to = map.row(face, y);
     for (int x = 0; x < n; ++x) {
       const auto [column, row] = place_in_file(o, n, n, x, y);
-      to[std::size_t(x)] = stored.row(0, row)[std::size_t(column)];
+      to[std::size_t(x)] = stored.row(stored_face, row)[std::size_t(column)];
     }
   });
 }

@@ -22,7 +22,7 @@ ImageReader turned_upright(ImageReader stored);
 /// The rows of one square face as a file has them. Where they are its columns, the face is made here, and held.
 Rows stored_rows(const Rows& rows, int face, Orientation o);
 
-/// The other way: the only face of `stored` into a face of the map.
-void copy_upright(const Level& stored, Orientation o, Level& map, int face);
+/// The other way: a square face of `stored` into a face of the map.
+void copy_upright(const Level& stored, int stored_face, Orientation o, Level& map, int face);
 
 }  // namespace envmap

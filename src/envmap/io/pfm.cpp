@@ -5,7 +5,7 @@
 #include <charconv>
 #include <cmath>
 #include <string>
-#include <type_traits>
+#include <string_view>
 #include <vector>
 
 #include "envmap/base/error.h"
@@ -20,25 +20,63 @@ struct PfmHeader {
   std::uint64_t texels = 0;  // Where they begin.
 };
 
-// "PF" or "Pf", width, height and scale between spaces, and the end of a line. Nothing where it is something else.
-std::optional<PfmHeader> read_pfm_header(const InputFile& file) {
-  std::string text(128, '\0');
-  text.resize(file.pread(text.data(), text.size(), 0));
-  std::size_t at = 2;
-  const auto read = [&](auto& number) {
-    at = std::min(text.find_first_not_of(" \n", at), text.size());
-    const std::size_t begin = at;
-    at = std::min(text.find_first_of(" \n", at), text.size());
-    const auto [end, error] = std::from_chars(text.data() + begin, text.data() + at, number);
-    if (std::is_integral_v<std::remove_reference_t<decltype(number)>> && error == std::errc::result_out_of_range)
-      throw InputError(fmt::format("the size {} in its header is out of range", text.substr(begin, at - begin)));
-    return error == std::errc() && end == text.data() + at;
-  };
-  PfmHeader h{.channels = text.starts_with("PF") ? 3 : 1};
-  if (text.size() < 3 || (text[2] != ' ' && text[2] != '\n')) return std::nullopt;
-  if (!read(h.width) || !read(h.height) || !read(h.scale) || at == text.size() || text[at] != '\n') return std::nullopt;
-  if (h.width < 1 || h.height < 1 || h.scale == 0 || !std::isfinite(h.scale)) return std::nullopt;
-  h.texels = at + 1;
+// The words of a header, between spaces, ends of lines and comments.
+class HeaderWords {
+ public:
+  explicit HeaderWords(const InputFile& file) : text_(4096, '\0') {
+    text_.resize(file.pread(text_.data(), text_.size(), 0));
+  }
+
+  std::string_view word() {
+    for (skip_spaces(); std::string_view(text_).substr(at_).starts_with('#'); skip_spaces())
+      at_ = std::min(text_.find_first_of("\r\n", at_), text_.size());
+    const std::size_t begin = at_;
+    at_ = std::min(text_.find_first_of(spaces, at_), text_.size());
+    return std::string_view(text_).substr(begin, at_ - begin);
+  }
+  template <class Number>
+  Number number(const char* what) {
+    std::string_view text = word();
+    const std::string_view all = text;
+    if (text.starts_with('+')) text.remove_prefix(1);
+    Number value{};
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error == std::errc::result_out_of_range)
+      throw InputError(fmt::format("the {} {} in its header is out of range", what, all));
+    if (error != std::errc() || end != text.data() + text.size() || at_ == text_.size())
+      throw InputError(fmt::format("damaged: the {} in its header is no number", what));
+    return value;
+  }
+  /// Where the texels begin: after the end of the line, which may be CR LF. The size of the file tells a texel's first
+  /// byte that looks like LF.
+  [[nodiscard]] std::uint64_t end(std::uint64_t file_size, std::uint64_t texels) const {
+    const bool two = std::string_view(text_).substr(at_).starts_with("\r\n") && file_size != at_ + 1 + texels;
+    return at_ + (two ? 2 : 1);
+  }
+
+ private:
+  static constexpr const char* spaces = " \t\r\n";
+  void skip_spaces() { at_ = std::min(text_.find_first_not_of(spaces, at_), text_.size()); }
+
+  std::string text_;
+  std::size_t at_ = 0;
+};
+
+PfmHeader read_pfm_header(const InputFile& file) {
+  HeaderWords header(file);
+  const std::string_view kind = header.word();
+  if (kind != "PF" && kind != "Pf")
+    throw InputError(
+        fmt::format("not supported: a portable float map of kind {}: PF and Pf are read", kind.substr(0, 8)));
+  PfmHeader h{.channels = kind == "PF" ? 3 : 1};
+  h.width = header.number<int>("width"), h.height = header.number<int>("height");
+  h.scale = header.number<float>("scale");
+  if (h.width < 1 || h.height < 1) throw InputError(fmt::format("damaged: its size is {}x{}", h.width, h.height));
+  if (h.scale == 0 || !std::isfinite(h.scale))
+    throw InputError(fmt::format("damaged: its scale is {}, whose sign tells the byte order", h.scale));
+  const std::uint64_t bytes =
+      std::uint64_t(h.width) * std::uint64_t(h.height) * std::uint64_t(h.channels) * sizeof(float);
+  h.texels = header.end(file.size(), bytes);
   return h;
 }
 
@@ -59,17 +97,14 @@ void read_pfm_rows(const InputFile& file, const PfmHeader& h, int begin, int end
 
 }  // namespace
 
-std::optional<ImageReader> open_pfm(const InputFile& file) {
-  const std::optional<PfmHeader> h = read_pfm_header(file);
-  if (!h) return std::nullopt;
+ImageReader open_pfm(const InputFile& file) {
+  const PfmHeader h = read_pfm_header(file);
   const std::vector<std::string> grey{"Y"}, rgb{"R", "G", "B"};
-  const ImageFacts facts{.width = h->width,
-                         .height = h->height,
-                         .names = false,
-                         .channels = h->channels == 1 ? grey : rgb};
+  ImageFacts facts{.width = h.width, .height = h.height, .names = false, .channels = h.channels == 1 ? grey : rgb};
+  if (std::abs(h.scale) != 1) facts.claims.push_back({.name = "scale", .value = fmt::format("{}", h.scale)});
   return ImageReader{.format = "pnm",
                      .facts = facts,
-                     .read = [&file, h = *h](int, int begin, int end, int first, int count, std::span<float> out) {
+                     .read = [&file, h](int, int begin, int end, int first, int count, std::span<float> out) {
                        read_pfm_rows(file, h, begin, end, first, count, out.data());
                      }};
 }

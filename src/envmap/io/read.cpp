@@ -4,14 +4,18 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <limits>
+#include <numeric>
 #include <vector>
 
 #include "envmap/base/carry_out.h"
 #include "envmap/base/error.h"
+#include "envmap/base/parallel.h"
 #include "envmap/io/detect_layout.h"
+#include "envmap/io/gpano.h"
 #include "envmap/io/image.h"
 #include "envmap/io/metadata.h"
 #include "envmap/io/orientation.h"
@@ -21,6 +25,7 @@
 #include "envmap/io/read_pixels.h"
 #include "envmap/map/border.h"
 #include "envmap/operate/border_samples.h"
+#include "envmap/operate/convert.h"
 #include "envmap/operate/measure.h"
 #include "envmap/operate/refuse_flaws.h"
 
@@ -78,15 +83,58 @@ DetectedLayout detect_layout(const Image& image, const ReadOptions& options, con
   return {Projection::cube, Layout::api, height};
 }
 
+// The level with the radiance from d coming from rotation x d.
+Level turned(Level level, Forward forward, const Rotation& rotation) {
+  const ConvertOptions options{.to = Frame{level.projection(), forward}, .size = level.height(), .rotation = rotation};
+  EnvironmentMap map{.levels = {}, .forward = forward};
+  map.levels.push_back(std::move(level));
+  return std::move(convert(map, options).levels.front());
+}
+
+void multiply(Level& level, double gain) {
+  for_each_row(level.faces(), level.height(), {}, [&](int face, int row) {
+    for (Colour& c : level.row(face, row)) c = Colour(Flux(c) * gain);
+  });
+}
+
+// The faces of one image, where it does not hold them in the usual order, or not upright.
+Level with_faces(const Level& stored, Layout layout, const std::string& faces) {
+  const Grid places = grid(layout);
+  std::array<int, 6> usual;  // The face that each place has, in the order of places.
+  std::iota(usual.begin(), usual.end(), 0);
+  std::ranges::sort(usual, {}, [&](int face) {
+    const Slot& slot = places.slots[std::size_t(face)];
+    return std::pair(slot.row, slot.column);
+  });
+  const std::array<FaceCell, 6> cells = face_cells(faces);
+  Level level(stored.projection(), stored.height(), stored.width(), stored.max_memory());
+  for (std::size_t k = 0; k < cells.size(); ++k)
+    copy_upright(stored, usual[k], cells[k].stored, level, int(cells[k].face));
+  return level;
+}
+
 // A level, `stored` by that number in the file.
-Level read_level(Image& image, const ReadOptions& options, int stored, const DetectedLayout& base, int number,
-                 const Progress& progress) {
+Level read_stored(Image& image, const ReadOptions& options, int stored, const DetectedLayout& base, int number,
+                  const Progress& progress) {
   if (!image.texture) return read_pixels(image, options, stored, base, face_in(image, stored, base, number), progress);
+  const TextureFile& texture = *image.texture;
   try {
-    return read_texture(*image.file, *image.texture, stored, base, number, options.drop_channels);
+    Level level = read_texture(*image.file, texture, stored, base, number, options.drop_channels,
+                               texture.by_integers && image.decode);
+    if (texture.rotation != Rotation(1)) level = turned(std::move(level), Forward::plus_z, texture.rotation);
+    if (texture.gain != 1) multiply(level, texture.gain);
+    return level;
   } catch (const InputError& e) {
     image.fail(e.what(), e.remedy());
   }
+}
+
+// The same with its faces where the options say.
+Level read_level(Image& image, const ReadOptions& options, int stored, const DetectedLayout& base, int number,
+                 const Progress& progress) {
+  Level level = read_stored(image, options, stored, base, number, progress);
+  const bool named = !options.faces.empty() && base.projection == Projection::cube;
+  return named ? with_faces(level, base.layout, options.faces) : std::move(level);
 }
 
 // What a file says of itself, without its levels.
@@ -95,11 +143,16 @@ Source read_head(const Image& image, const ReadOptions& options, Metadata& recor
     const TextureFile& t = *image.texture;
     check_pixels(image, options, t.width, t.height, t.cube ? 6 : 1);
     recorded = t.recorded;
-    return {.depth = format_of(t.texels).depth,
+    return {.depth = t.format().depth,
             .format = t.container,
             .image_width = t.width,
             .image_height = t.height,
-            .levels = t.levels};
+            .border_samples = options.border_samples,
+            .levels = t.levels,
+            .files = t.files,
+            .notes = t.notes,
+            .details = t.details,
+            .claims = t.claims};
   }
   const ImageFacts& facts = image.reader->facts;
   check_size(image, options);
@@ -108,10 +161,12 @@ Source read_head(const Image& image, const ReadOptions& options, Metadata& recor
           .format = image.reader->format,
           .image_width = facts.width,
           .image_height = facts.height,
-          .border_samples = has_border_samples(facts.attributes) && !options.ignore_envmap_attribute,
+          .border_samples =
+              options.border_samples || (has_border_samples(facts.attributes) && !options.ignore_envmap_attribute),
           .levels = recorded.levels.value_or(std::numeric_limits<int>::max()),
           .notes = facts.notes,
-          .details = facts.details};
+          .details = facts.details,
+          .claims = facts.claims};
 }
 
 // Levels that a file has, at most.
@@ -150,15 +205,56 @@ void check_level_file(Image& image, const ReadOptions& options, const DetectedLa
     image.fail(fmt::format("{}x{}, but level {} is {}x{}", head.image_width, head.image_height, number, w, h));
 }
 
+void tell_pose(const Panorama& p, const ReadOptions& options, ImageFacts& facts) {
+  const std::string pose = fmt::format("heading {:g}, pitch {:g}, roll {:g} degrees", p.heading.value_or(0),
+                                       p.pitch.value_or(0), p.roll.value_or(0));
+  if (!p.heading && !p.pitch && !p.roll) return;
+  facts.claims.push_back({.name = "GPano pose",
+                          .value = pose,
+                          .outcome = options.apply_pose ? Claim::Outcome::honoured : Claim::Outcome::ignored,
+                          .reason = options.apply_pose ? "" : "pictures are often made upright before it is written"});
+  if (!options.apply_pose && (p.pitch.value_or(0) != 0 || p.roll.value_or(0) != 0))
+    facts.notes.push_back("its camera was not held upright: " + pose + " (GPano), which are not applied");
+}
+
+// What cameras write of a panorama. An image that shows a part of it becomes all of it, black where nothing is.
+std::optional<Panorama> place_panorama(Image& image, const ReadOptions& options) {
+  const std::optional<Panorama> found = panorama_of(image);
+  if (!found) return found;
+  ImageFacts& facts = image.reader->facts;
+  const bool overridden = options.projection.value_or(Projection::latlong) != Projection::latlong;
+  Claim claim{.name = "GPano", .value = found->projection};
+  if (overridden) claim.outcome = Claim::Outcome::overridden;
+  const auto window = overridden ? std::nullopt : window_in(*found, facts.width, facts.height);
+  if (window)
+    claim.value = fmt::format("{}x{} of a panorama of {}x{}, at {},{}", facts.width, facts.height, window->width,
+                              window->height, window->x, window->y);
+  facts.claims.push_back(claim);
+  if (window) facts.notes.push_back(fmt::format("shows {} (GPano): what is missing is black", claim.value));
+  if (!overridden) tell_pose(*found, options, facts);
+  if (window) image.reader = in_window(std::move(*image.reader), *window);
+  return overridden ? std::nullopt : found;
+}
+
 // @param image open. @param path its name, which may have {level} in it; empty in memory.
 Source read_image(Image& image, const std::string& path, const ReadOptions& options, const Progress& progress) {
+  std::optional<Panorama> panorama;
+  try {
+    panorama = place_panorama(image, options);
+  } catch (const InputError& e) {
+    image.fail(e.what(), e.remedy());
+  }
   Metadata recorded;
   Source source = read_head(image, options, recorded);
   const DetectedLayout found = detect_layout(image, options, recorded, source.image_width, source.image_height);
+  if (!options.faces.empty() && (found.projection != Projection::cube || found.layout == Layout::api))
+    throw UsageError(image.name, found.layout == Layout::api
+                                     ? "its format says which face is which: no names are needed"
+                                     : "is no cube map: names of faces are for those");
   source.layout = found.layout;
   source.facts = recorded.facts;
   source.provenance = recorded.provenance;
-  source.claimed = claimed_space(image, recorded, options.colour);
+  tell_colours(source, image, recorded, options.colour);
   source.border = border_of(image, options, recorded, found);
   const bool in_files = has_level(path);
   // A texture counts the levels that it holds itself.
@@ -187,6 +283,12 @@ Source read_image(Image& image, const std::string& path, const ReadOptions& opti
                                           : options.assumed_forward;
     source.map.forward = known.value_or(Forward::plus_z);
     source.forward_is_assumed = !known;
+  }
+  const bool has_pose = panorama && (panorama->heading || panorama->pitch || panorama->roll);
+  if (options.apply_pose && !has_pose) source.notes.emplace_back("has no pose in GPano XMP: it is not rotated");
+  if (options.apply_pose && has_pose) {
+    const Rotation frame = image_to_world(source.map.forward);
+    source.pose = frame * pose_of(*panorama) * glm::transpose(frame);
   }
   return source;
 }
@@ -228,7 +330,8 @@ Level read_face_files(const std::string& path, const FaceFiles& files, const Rea
       source.format = head.format;
       source.provenance = recorded.provenance;
       source.image_width = source.image_height = size;
-      source.claimed = claimed_space(image, recorded, options.colour);
+      source.claims = head.claims;
+      tell_colours(source, image, recorded, options.colour);
       source.facts = recorded.facts;
     }
     if (number == 0)
@@ -248,7 +351,7 @@ Level read_face_files(const std::string& path, const FaceFiles& files, const Rea
     // Any projection of one square face.
     const Level one = read_level(image, options, 0, {Projection::sphere, Layout::single, wanted}, 0, {});
     const bool cube = projection == Projection::cube;
-    copy_upright(one, cube ? files[std::size_t(face)].stored : Orientation::upright, *level, face);
+    copy_upright(one, 0, cube ? files[std::size_t(face)].stored : Orientation::upright, *level, face);
     if (progress) progress((face + 1.0) / faces(projection));
   }
   return std::move(*level);
@@ -270,8 +373,11 @@ Source read_faces(const std::string& path, const ReadOptions& options, const Pro
   if (options.projection && *options.projection != projection)
     throw UsageError(fmt::format("{} in a file name is for {} maps, not for a {} map",
                                  has_half(path) ? half_mark : face_mark, name(projection), name(*options.projection)));
+  if (!options.faces.empty() && projection != Projection::cube)
+    throw UsageError(path, "names of faces are for cubes: remove them");
+  if (options.apply_pose) throw UsageError(path, "a pose is that of a panorama in one image");
   const FaceFiles files = files_of(path, options);
-  Source source{.map = {}, .layout = Layout::files};
+  Source source{.map = {}, .layout = Layout::files, .border_samples = options.border_samples};
   // Level 0 even where another is wanted: it tells how large that one must be.
   source.map.levels.push_back(read_face_files(path, files, options, 0, 0, source, progress));
   const int size = source.map.base().height();
@@ -287,6 +393,9 @@ Source read_faces(const std::string& path, const ReadOptions& options, const Pro
 void check(const ReadOptions& options) {
   check(limits::level, options.level);
   if (options.border) check(limits::border, *options.border);
+  if (options.border_samples && options.ignore_envmap_attribute)
+    throw UsageError("border_samples and ignore_envmap_attribute contradict each other");
+  if (options.choice.headroom) check(limits::headroom, *options.choice.headroom);
   if (options.all_levels && options.level != 0) throw UsageError("level must be 0 where all levels are read");
 }
 
@@ -316,9 +425,16 @@ Source settled(const std::string& name, const ReadOptions& options, const Progre
     const ColourTransform colours = colours_of(source, options.colour);
     if (colours.apply) settle_flaws(name, options, source);
     into_working(source, colours, options.colour);
+    const Projection p = source.map.projection();
+    if (source.border_samples && p != Projection::latlong && p != Projection::cube)
+      throw InputError(name,
+                       fmt::format("samples on the image border are those of latlong maps and cubes, not of a {} map",
+                                   envmap::name(p)));
     if (source.border_samples)
       for (Level& level : source.map.levels) level = to_cell_centres(level);
     settle_flaws(name, options, source);
+    if (source.pose)
+      for (Level& level : source.map.levels) level = turned(std::move(level), source.map.forward, *source.pose);
     return source;
   } catch (const std::bad_alloc&) {
     throw InputError(name, "not enough memory to read it");
@@ -330,7 +446,6 @@ Source settled(const std::string& name, const ReadOptions& options, const Progre
 template <class F>
 Source read_named(const std::string& path, const ReadOptions& options, const Run& run, const F& take) {
   check(options);
-  check_faces(path, options.faces);
   const std::string name = path == "-" ? "standard input" : path;
   return carry_out(run, [&](const Progress& progress) { return settled(name, options, progress, take); });
 }
@@ -341,7 +456,7 @@ Source read_photo(Image& image, const ReadOptions& options, const Progress& prog
   Metadata recorded;
   Source source = read_head(image, options, recorded);
   source.provenance = recorded.provenance;
-  source.claimed = claimed_space(image, recorded, options.colour);
+  tell_colours(source, image, recorded, options.colour);
   source.border_samples = false, source.levels = 1;
   const FaceSize whole{source.image_width, source.image_height};
   source.map.levels.push_back(

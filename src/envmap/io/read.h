@@ -36,6 +36,8 @@ struct ReadOptions {
   std::optional<Forward> assumed_forward = {};  ///< Where there is no metadata; otherwise +z.
   std::optional<int> border = {};        ///< Texels round an octahedral map, to be left out; overrides the metadata.
   bool ignore_envmap_attribute = false;  ///< Take texels as cell-centred whatever OpenEXR's attribute says.
+  bool border_samples = false;  ///< Samples lie on the border of the image, though no attribute of OpenEXR says so.
+  bool apply_pose = false;      ///< Turn a panorama as its camera was held, where XMP (GPano) says how.
   std::size_t max_memory = 0;  ///< Bytes that the process may take; larger maps lie in a scratch file. 0: no limit.
   std::uint64_t max_pixels = default_max_pixels;  ///< Of an image, all faces counted; larger ones are refused.
   bool drop_channels = false;                     ///< Read RGB and leave alpha and other channels behind.
@@ -50,19 +52,22 @@ struct Source {
   EnvironmentMap map = {};
   Layout layout = Layout::single;
   Depth depth = Depth::single;
-  std::string format = {};  ///< openexr, hdr, ktx, ktx2, dds, ...; else OpenImageIO's name for it.
+  std::string format = {};          ///< openexr, hdr, ktx, ktx2, dds, ...; else OpenImageIO's name for it.
   bool forward_is_assumed = false;  ///< Neither the file nor the caller says what axis is at the centre.
   int image_width = 0, image_height = 0;
   bool border_samples = false;  ///< OpenEXR's `envmap` convention; resampled to cell centres here.
+  std::optional<Rotation> pose = {};  ///< Of the camera, where it was asked for: the map is turned by it.
   int border = 0;               ///< Texels round every level of an octahedral map, left out here.
   int levels = 1;               ///< That the file has; `map` holds those that were asked for.
   Facts facts = {};             ///< Further metadata, such as the lobe.
   Provenance provenance = {};   ///< Of the map: its chromaticities are those of the working space.
   ClaimedSpace claimed = {};    ///< What the file says of its colours; `by` is empty where it says nothing.
+  std::vector<std::string> files = {};         ///< That were read beside it: buffers and images of glTF.
   std::vector<std::string> colour_files = {};  ///< The config and its tables, where they were read.
   std::int64_t repaired = 0;                   ///< Texels that FlawPolicy::repair changed.
   std::vector<std::string> notes = {};         ///< What of the file is not read, or was added.
   std::vector<std::string> details = {};       ///< What reading did to the values, such as dividing an exposure out.
+  std::vector<Claim> claims = {};              ///< What the file states, and what became of it.
 };
 
 /// @param path a file, `-` for standard input, or a name with `{face}` for six files, `{half}` for

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "envmap/base/error.h"
 #include "envmap/base/parallel.h"
 #include "envmap/io/colour_config.h"
@@ -10,9 +12,9 @@
 namespace envmap {
 namespace {
 
-constexpr const char *by_integers = "integers", *by_format = "its format";
-
-bool is_srgb(const TextureFile& t) { return t.texels == Texels::rgb8_srgb || t.texels == Texels::rgba8_srgb; }
+bool is_srgb(const TextureFile& t) {
+  return t.texels == Texels::rgb8_srgb || t.texels == Texels::rgba8_srgb || t.texels == Texels::packed_srgb;
+}
 
 // The words of the file itself, before its format is asked.
 ClaimedSpace written_space(const Metadata& recorded, const Attributes& texts, const std::string& format) {
@@ -27,16 +29,27 @@ ClaimedSpace written_space(const Metadata& recorded, const Attributes& texts, co
   return named != nullptr ? ClaimedSpace{std::string(named->name), named->primaries, "envmap:space"} : ClaimedSpace{};
 }
 
-// Whether reading made linear Rec.709 of it already.
-bool is_decoded(const ClaimedSpace& claimed) { return claimed.by == by_integers || claimed.by == by_format; }
+ClaimedSpace written_of(const Image& image, const Metadata& recorded) {
+  if (image.texture) return written_space(recorded, {}, "");
+  return written_space(recorded, image.reader->facts.attributes, image.reader->format);
+}
 
 void tell_primaries(Source& source, const std::optional<Primaries>& now, const ColourOptions& options) {
-  const bool said = !source.claimed.by.empty() && !is_decoded(source.claimed);
+  const ClaimedSpace& claimed = source.claimed;
+  const bool is_usual = claimed.decoded && same(claimed.primaries.value_or(rec709), rec709);
+  const bool said = !claimed.by.empty() && !is_usual;
   auto& told = source.provenance.chromaticities;
   if (!now || (!said && options.space.empty() && options.working.empty()))
     told.reset();
   else if (!told || !same(primaries(*told), *now))
     told = chromaticities(*now);
+}
+
+// A claim that every format has in a way of its own: primaries, or a word of this program.
+std::optional<Claim> claim_of(const ClaimedSpace& written) {
+  if (written.by.empty()) return std::nullopt;
+  const std::string value = words(written);
+  return Claim{.name = written.by, .value = value.substr(0, value.rfind(" (")), .of_colour = true};
 }
 
 }  // namespace
@@ -45,28 +58,50 @@ ClaimedSpace claimed_space(Image& image, const Metadata& recorded, const ColourO
   const bool encoded = image.texture ? is_srgb(*image.texture) : image.reader->facts.encoded;
   if (image.texture && encoded && !options.space.empty())
     throw UsageError(image.name, "its format says that it is sRGB: another space of its values makes no sense");
-  const ClaimedSpace written = image.texture
-                                   ? written_space(recorded, {}, "")
-                                   : written_space(recorded, image.reader->facts.attributes, image.reader->format);
+  const ClaimedSpace written = written_of(image, recorded);
   if (image.texture) {
     const KhrColour colour = image.texture->colour;
     const ClaimedSpace described = space_of(colour);
     const Primaries p = described.primaries.value_or(rec709);
-    if (encoded) return {encoded_space_with(p), p, by_format};
+    if (encoded) return {encoded_space_with(p), p, "its format", true};
     if (!written.by.empty() || !described.by.empty()) return written.by.empty() ? described : written;
     if (colour.transfer > khr_srgb && options.space.empty())
       throw InputError(image.name,
                        fmt::format("KTX2 with transfer function {}: only linear and sRGB are decoded", colour.transfer),
                        Remedy::choose_space);
   }
-  image.decode = encoded && options.space.empty() && written.name.empty();
-  if (image.decode) return {"sRGB", rec709, by_integers};
-  return written;
+  image.decode = options.space.empty();
+  if (!image.decode && image.reader && image.reader->facts.colour && image.reader->facts.colour->fixed)
+    throw UsageError(image.name, fmt::format("its {} says what its values are: another space of them makes no sense",
+                                             image.reader->facts.colour->space.by));
+  if (image.texture && image.texture->by_integers && image.decode) return {"sRGB", rec709, "integers", true};
+  if (image.texture || !image.decode) return written;
+  // A word of ours may outlive a change of the values, but where it agrees with what other programs read it is exact.
+  const std::optional<StatedColour>& stated = image.reader->facts.colour;
+  if (stated && (written.name.empty() || written.name != stated->space.name)) return stated->space;
+  image.decode = written.name.empty();
+  return encoded && image.decode ? ClaimedSpace{"sRGB", rec709, "integers", true} : written;
+}
+
+void tell_colours(Source& source, Image& image, const Metadata& recorded, const ColourOptions& options) {
+  source.claimed = claimed_space(image, recorded, options);
+  const StatedColour* stated = image.reader && image.reader->facts.colour ? &*image.reader->facts.colour : nullptr;
+  if (stated && image.decode && stated->white_luminance) source.provenance.white_luminance = stated->white_luminance;
+  const ClaimedSpace written = image.reader && stated ? written_of(image, recorded) : source.claimed;
+  if (std::optional<Claim> claim = written.by == "integers" ? std::nullopt : claim_of(written)) {
+    if (stated && written.by != source.claimed.by)
+      claim->outcome = Claim::Outcome::ignored, claim->reason = stated->space.by + " comes first";
+    const auto is_same = [&](const Claim& c) { return c.name == claim->name; };
+    // The reader of Radiance pictures tells all that they say.
+    if (source.format != "hdr" && std::ranges::none_of(source.claims, is_same)) source.claims.push_back(*claim);
+  }
+  if (options.space.empty()) return;
+  for (Claim& c : source.claims)
+    if (c.of_colour && c.outcome == Claim::Outcome::honoured) c.outcome = Claim::Outcome::overridden;
 }
 
 ColourTransform colours_of(const Source& source, const ColourOptions& options) {
-  const bool decoded = is_decoded(source.claimed);
-  if (!decoded) return into_working(options, source.claimed);
+  if (!source.claimed.decoded) return into_working(options, source.claimed);
   const Primaries p = source.claimed.primaries.value_or(rec709);
   return into_working(options, ClaimedSpace{space_with(p), p});
 }

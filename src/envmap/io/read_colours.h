@@ -8,9 +8,12 @@
 
 namespace envmap {
 
-/// What a file says of its colours; says to the image whether sRGB is to be decoded where it is read.
+/// What a file says of its colours; says to the image whether values are to be decoded where it is read.
 /// @throws UsageError where the format says it, and the options name another space.
 ClaimedSpace claimed_space(Image& image, const Metadata& recorded, const ColourOptions& options);
+
+/// Sets what a source tells of its file's colours, and what became of the file's claims. @throws as claimed_space().
+void tell_colours(Source& source, Image& image, const Metadata& recorded, const ColourOptions& options);
 
 /// Whether two files say the same of their colours.
 bool same(const ClaimedSpace& a, const ClaimedSpace& b);

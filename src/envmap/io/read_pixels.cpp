@@ -42,14 +42,39 @@ Channels choose_channels(const Image& image, const ReadOptions& options) {
   image.fail(fmt::format("has channels besides R, G and B ({})", some_of(others)), Remedy::drop_channels);
 }
 
-// Rows [begin, end) of a level as RGB.
-void read_band(const Image& image, int level, const Channels& channels, int begin, int end, std::span<Colour> out) {
+// Rows [begin, end) of a level as RGB. @param alpha of the rows, where colours are not multiplied by it.
+void read_band(const Image& image, int level, const Channels& channels, int begin, int end, std::span<Colour> out,
+               std::vector<float>& alpha) {
   // Grey values come into the last third, and are spread from the first on.
   const std::size_t values = out.size() * std::size_t(channels.count);
   const std::span<float> last = std::span(&out.data()->x, 3 * out.size()).last(values);
-  image.read(level, begin, end, channels.first, channels.count, last);
+  if (image.reader->facts.straight_alpha) {
+    const std::size_t all = std::size_t(channels.count) + 1;
+    std::vector<float> samples(out.size() * all);
+    image.read(level, begin, end, channels.first, channels.count + 1, samples);
+    alpha.resize(out.size());
+    for (std::size_t k = 0; k < out.size(); ++k) {
+      std::copy_n(samples.begin() + std::ptrdiff_t(k * all), channels.count,
+                  last.begin() + std::ptrdiff_t(k * (all - 1)));
+      alpha[k] = samples[k * all + all - 1];
+    }
+  } else {
+    image.read(level, begin, end, channels.first, channels.count, last);
+  }
   if (channels.count == 1)
     for (std::size_t k = 0; k < out.size(); ++k) out[k] = Colour(last[k]);
+}
+
+// Stored values -> linear light. Colours are multiplied by alpha as light.
+void decode(const Image& image, std::span<Colour> rows, const std::vector<float>& alpha) {
+  const ImageFacts& facts = image.reader->facts;
+  if (image.decode && !facts.colour && facts.encoded) decode_srgb(rows);
+  try {
+    if (image.decode && facts.colour && facts.colour->decode) facts.colour->decode(rows);
+  } catch (const InputError& e) {
+    image.fail(e.what(), e.remedy());
+  }
+  for (std::size_t k = 0; k < alpha.size(); ++k) rows[k] *= alpha[k];
 }
 
 // The limit where the map would take more than half of it; else none.
@@ -88,8 +113,9 @@ Level read_pixels(const Image& image, const ReadOptions& options, int stored, co
   for (int begin = 0; begin < facts.height; begin += band_rows) {
     const int end = std::min(begin + band_rows, facts.height);
     const auto rows = std::span(band).first(std::size_t(end - begin) * std::size_t(facts.width));
-    read_band(image, stored, channels, begin, end, rows);
-    if (facts.encoded && image.decode) decode_srgb(rows);
+    std::vector<float> alpha;
+    read_band(image, stored, channels, begin, end, rows, alpha);
+    decode(image, rows, alpha);
     if (!level) level.emplace(base.projection, face.height, face.width, scratch(options.max_memory, facts));
     scatter(rows, facts.width, begin, end, places, *level);
     level->trim();

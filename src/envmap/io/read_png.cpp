@@ -1,16 +1,21 @@
 // Reads PNG row by row through libpng (libpng-manual.txt, section III).
+#include <fmt/format.h>
 #include <png.h>
 #include <strings.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <csetjmp>
+#include <cstdio>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "envmap/base/error.h"
+#include "envmap/io/exif.h"
 #include "envmap/io/png.h"
+#include "envmap/io/png_colour.h"
 
 namespace envmap {
 namespace {
@@ -19,7 +24,7 @@ namespace {
 class PngFile {
  public:
   explicit PngFile(const InputFile& file)
-      : file_(file), png_(png_create_read_struct(PNG_LIBPNG_VER_STRING, this, fail, ignore_warning)) {
+      : file_(file), png_(png_create_read_struct(PNG_LIBPNG_VER_STRING, this, fail, take_warning)) {
     if (png_) info_ = png_create_info_struct(png_);
     if (!info_) {
       png_destroy_read_struct(&png_, nullptr, nullptr);
@@ -31,9 +36,15 @@ class PngFile {
   PngFile(const PngFile&) = delete;
   PngFile& operator=(const PngFile&) = delete;
 
+  /// What libpng passed over in the chunks of colours, or nothing.
+  [[nodiscard]] std::string_view damage() const { return damage_.data(); }
+
   template <class Calls>
   void run(const Calls& calls) {
     if (setjmp(png_jmpbuf(png_)) == 0) return calls(png_, info_);
+    if (const std::size_t end = message_.find(": unhandled critical chunk"); end != message_.npos)
+      throw InputError("not supported: PNG with the chunk " + message_.substr(0, end) +
+                       ", which changes the image: save it again by a program that knows this chunk, as a plain PNG");
     throw InputError(message_);
   }
 
@@ -42,7 +53,13 @@ class PngFile {
     static_cast<PngFile*>(png_get_error_ptr(png))->message_ = message;
     png_longjmp(png, 1);
   }
-  static void ignore_warning(png_structp, png_const_charp) {}
+  // A claim of colours with a wrong checksum is none to pass over.
+  static void take_warning(png_structp png, png_const_charp message) {
+    auto& self = *static_cast<PngFile*>(png_get_error_ptr(png));
+    for (std::size_t at = 0; at < sizeof png_colour_chunks; at += 5)
+      if (std::string_view(message).starts_with(std::string_view(png_colour_chunks + at, 4)))
+        std::snprintf(self.damage_.data(), self.damage_.size(), "%s", message);
+  }
   static void get(png_structp png, png_bytep bytes, png_size_t size) {
     auto& self = *static_cast<PngFile*>(png_get_io_ptr(png));
     if (self.file_.pread(bytes, size, self.next_) != size) png_error(png, "it ends too early");
@@ -54,42 +71,46 @@ class PngFile {
   png_infop info_ = nullptr;
   std::uint64_t next_ = 0;
   std::string message_;
+  std::array<char, 100> damage_ = {};
 };
 
 struct Header {
   png_uint_32 width = 0, height = 0;
-  int bits = 0, kind = 0, interlace = 0, channels = 0, intent = 0;
+  int bits = 0, kind = 0, interlace = 0, channels = 0;
   std::size_t row_bytes = 0;
-  bool srgb = false, says_gamma = false;
-  bool has_exif = false, has_cicp = false, has_offset = false;  // Chunks that OpenImageIO reads.
-  double gamma = 0;
+  bool has_offset = false;  // Which OpenImageIO reads.
+  int stored_bits = 0;
   png_textp texts = nullptr;
-  int text_count = 0;
+  png_unknown_chunkp chunks = nullptr;  // Those of colours and EXIF.
+  int text_count = 0, chunk_count = 0;
 
   [[nodiscard]] bool has_alpha() const { return channels % 2 == 0; }
 };
 
-// 1, 2 and 4 bits become 8, a palette its colours, and tRNS an alpha channel. The texts belong to libpng.
+constexpr char exif_chunk[] = "eXIf";
+
+// 1, 2 and 4 bits become 8, a palette its colours, and tRNS an alpha channel. Texts and chunks belong to libpng, whose
+// versions differ in what they make of chunks of colours: they are kept as they are.
 Header read_header(PngFile& png) {
   Header h;
   png.run([&](png_structp p, png_infop info) {
+    const auto keep = [&](const char* names, std::size_t size) {
+      png_set_keep_unknown_chunks(p, PNG_HANDLE_CHUNK_ALWAYS, reinterpret_cast<png_const_bytep>(names), int(size / 5));
+    };
+    keep(png_colour_chunks, sizeof png_colour_chunks);
+    keep(exif_chunk, sizeof exif_chunk);
     png_read_info(p, info);
+    h.stored_bits = png_get_bit_depth(p, info);
     png_set_expand(p);
     png_read_update_info(p, info);
     png_get_IHDR(p, info, &h.width, &h.height, &h.bits, &h.kind, &h.interlace, nullptr, nullptr);
     h.channels = png_get_channels(p, info);
     h.row_bytes = png_get_rowbytes(p, info);
-    h.srgb = png_get_sRGB(p, info, &h.intent) != 0;
-    h.says_gamma = png_get_gAMA(p, info, &h.gamma) != 0 && h.gamma > 0;
     h.has_offset = png_get_valid(p, info, PNG_INFO_oFFs) != 0;
-#ifdef PNG_INFO_eXIf
-    h.has_exif = png_get_valid(p, info, PNG_INFO_eXIf) != 0;
-#endif
-#ifdef PNG_INFO_cICP
-    h.has_cicp = png_get_valid(p, info, PNG_INFO_cICP) != 0;
-#endif
+    h.chunk_count = png_get_unknown_chunks(p, info, &h.chunks);
     png_get_text(p, info, &h.texts, &h.text_count);
   });
+  if (!png.damage().empty()) throw InputError(fmt::format("damaged: {}", png.damage()), Remedy::choose_space);
   return h;
 }
 
@@ -115,26 +136,50 @@ bool is_for_openimageio(const std::string& name) {
          begins("oiio:", 5);
 }
 
-// Gammas are told apart by hundredths.
-ImageFacts facts_of(const Header& h) {
+// Of a texture, whose channels need not be colours, only whether it is linear: gammas are told apart by hundredths.
+bool is_encoded(std::span<const PngChunk> chunks) {
+  const auto find = [&](const char* type) { return std::ranges::find(chunks, type, &PngChunk::type); };
+  const auto gamma = find("gAMA");
+  if (find("sRGB") != chunks.end() || gamma == chunks.end() || gamma->data.size() != 4) return true;
+  double value = 0;
+  for (const std::byte b : gamma->data) value = 256 * value + std::to_integer<int>(b);
+  return value == 0 || std::round(1e7 / value) != 100;
+}
+
+void read_chunks(const Header& h, bool for_texture, ImageFacts& facts) {
+  std::vector<PngChunk> chunks;
+  for (const png_unknown_chunk& c : std::span(h.chunks, std::size_t(h.chunk_count))) {
+    const std::string type(reinterpret_cast<const char*>(c.name), 4);
+    if (type == exif_chunk) read_exif({c.data, c.size}, facts);
+    chunks.push_back({type, {reinterpret_cast<const std::byte*>(c.data), c.size}});
+  }
+  facts.encoded = is_encoded(chunks);
+  if (!for_texture) read_png_colours(chunks, h.stored_bits, facts);
+}
+
+ImageFacts facts_of(const Header& h, bool for_texture) {
   constexpr const char* names[] = {"R", "G", "B", "A"};
   ImageFacts f{.width = int(h.width),
                .height = int(h.height),
-               .encoded = h.srgb || !h.says_gamma || std::round(100 / h.gamma) != 100,
                .names = false,
                .depth = h.bits == 16 ? Depth::uint16 : Depth::uint8,
                .attributes = attributes_of(h)};
   if (h.channels < 3) f.channels = {"Y"};
   if (h.channels == 2) f.channels.emplace_back("A");
   if (h.channels > 2) f.channels.assign(names, names + h.channels);
+  read_chunks(h, for_texture, f);
+  // A curve other than sRGB's is undone before colours are multiplied.
+  f.straight_alpha = h.has_alpha() && !for_texture && (f.colour || !f.icc_profile.empty());
   return f;
 }
 
 class Reader {
  public:
-  Reader(const InputFile& file, bool straight_alpha) : file_(file), straight_(straight_alpha) { start(); }
+  explicit Reader(const InputFile& file) : file_(file) { start(); }
 
   [[nodiscard]] const Header& header() const { return header_; }
+  /// Colours stay as stored, not multiplied by alpha.
+  void keep_straight() { straight_ = true; }
 
   void read(int begin, int end, int first, int count, std::span<float> out) {
     if (begin < next_ && whole_.empty()) start();
@@ -190,7 +235,7 @@ class Reader {
   }
 
   const InputFile& file_;
-  bool straight_;
+  bool straight_ = false;
   std::optional<PngFile> png_;
   Header header_;
   int next_ = 0;  // Row that libpng reads.
@@ -199,12 +244,13 @@ class Reader {
 
 }  // namespace
 
-std::optional<ImageReader> open_png(const InputFile& file, bool straight_alpha) {
-  const auto reader = std::make_shared<Reader>(file, straight_alpha);
+std::optional<ImageReader> open_png(const InputFile& file, bool straight_alpha, ImageFacts* found) {
+  const auto reader = std::make_shared<Reader>(file);
   const Header& h = reader->header();
-  const ImageFacts facts = facts_of(h);
-  const bool alpha_of_gamma = h.has_alpha() && !straight_alpha && h.says_gamma && !h.srgb;
-  if (h.has_exif || h.has_cicp || h.has_offset || alpha_of_gamma) return std::nullopt;
+  const ImageFacts facts = facts_of(h, straight_alpha);
+  if (found) *found = facts;
+  if (straight_alpha || facts.straight_alpha) reader->keep_straight();
+  if (h.has_offset) return std::nullopt;
   for (const auto& [name, text] : facts.attributes)
     if (is_for_openimageio(name)) return std::nullopt;
   return ImageReader{.format = "png",

@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -12,6 +13,7 @@
 #include "envmap/io/colour.h"
 #include "envmap/io/orientation.h"
 #include "envmap/io/radiance.h"
+#include "envmap/maths/portable.h"
 #include "envmap/maths/primaries.h"
 #include "envmap/maths/vector.h"
 
@@ -26,9 +28,12 @@ struct Header {
   int width = 0, height = 0;  // As stored: texels a scanline, scanlines.
   Orientation orientation = Orientation::upright;
   bool xyz = false, says_primaries = false;
-  Flux applied{1};  // What the pixels have been multiplied by.
+  Flux applied{1};   // What the pixels have been multiplied by.
+  double gamma = 1;  // They are light to the power of 1 / gamma.
   Primaries primaries{{0.64, 0.33}, {0.29, 0.6}, {0.15, 0.06}, {1. / 3, 1. / 3}};
   std::uint64_t pixels = 0;  // Where they begin.
+  std::vector<Claim> claims = {};
+  std::vector<std::string> notes = {};
 };
 
 // Numbers between spaces; fewer where the text ends or holds something else.
@@ -44,30 +49,53 @@ std::vector<double> numbers(std::string_view text) {
   }
 }
 
-void multiply_applied(Header& h, std::string_view name, std::vector<double> by) {
+// One number for all channels, or one for each. FreeImage and others write 0 where they state nothing.
+std::optional<Flux> factors(Header& h, const std::string& name, std::string_view value) {
+  std::vector<double> by = numbers(value);
   if (by.size() == 1) by.assign(3, by[0]);
+  const bool none = by.size() == 3 && std::ranges::all_of(by, [](double x) { return x == 0; });
+  if (none) {
+    h.notes.push_back(fmt::format("{}=0 states no number: values are read as they are", name));
+    h.claims.push_back({name, "0", Claim::Outcome::ignored, "states no number"});
+    return std::nullopt;
+  }
   if (by.size() != 3 || !std::ranges::all_of(by, [](double x) { return x > 0 && std::isfinite(x); }))
     throw InputError(fmt::format("damaged: {} that is no positive number", name));
-  h.applied *= Flux(by[0], by[1], by[2]);
+  h.claims.push_back(
+      {name, fmt::format("{:g}", fmt::join(by.begin(), by.begin() + (by[0] == by[1] && by[1] == by[2] ? 1 : 3), " "))});
+  return Flux(by[0], by[1], by[2]);
+}
+
+void read_format(Header& h, std::string_view value) {
+  h.xyz = value.find("32-bit_rle_xyze") != value.npos;
+  if (!h.xyz && value.find("32-bit_rle_rgbe") == value.npos)
+    throw InputError("neither FORMAT=32-bit_rle_rgbe nor 32-bit_rle_xyze");
+  if (h.xyz) h.claims.push_back({.name = "FORMAT", .value = "32-bit_rle_xyze"});
+}
+
+// Some writers leave zeros.
+void read_primaries(Header& h, std::string_view value) {
+  const std::vector<double> xy = numbers(value);
+  Claim claim{.name = "PRIMARIES", .value = fmt::format("{:g}", fmt::join(xy, " ")), .of_colour = true};
+  if (xy.size() == 8 && std::ranges::all_of(xy, [](double x) { return std::abs(x) < 2; })) {
+    const Primaries said{{xy[0], xy[1]}, {xy[2], xy[3]}, {xy[4], xy[5]}, {xy[6], xy[7]}};
+    h.says_primaries = is_possible(said);
+    if (h.says_primaries) h.primaries = said;
+  }
+  if (!h.says_primaries) claim.outcome = Claim::Outcome::ignored, claim.reason = "no light has such primaries";
+  h.claims.push_back(claim);
 }
 
 void read_variable(Header& h, std::string_view line) {
   const std::size_t equals = line.find('=');
   if (line.starts_with('#') || equals == line.npos) return;
-  const std::string_view name = line.substr(0, equals), value = line.substr(equals + 1);
-  if (name == "EXPOSURE" || name == "COLORCORR") multiply_applied(h, name, numbers(value));
-  if (name == "FORMAT") {
-    h.xyz = value.find("32-bit_rle_xyze") != value.npos;
-    if (!h.xyz && value.find("32-bit_rle_rgbe") == value.npos)
-      throw InputError("neither FORMAT=32-bit_rle_rgbe nor 32-bit_rle_xyze");
-  }
-  // Some writers leave zeros.
-  const std::vector<double> xy = name == "PRIMARIES" ? numbers(value) : std::vector<double>();
-  if (xy.size() != 8 || std::ranges::any_of(xy, [](double x) { return !(std::abs(x) < 2); })) return;
-  const Primaries said{{xy[0], xy[1]}, {xy[2], xy[3]}, {xy[4], xy[5]}, {xy[6], xy[7]}};
-  if (!is_possible(said)) return;
-  h.primaries = said;
-  h.says_primaries = true;
+  const std::string name(line.substr(0, equals));
+  const std::string_view value = line.substr(equals + 1);
+  if (name == "EXPOSURE" || name == "COLORCORR") h.applied *= factors(h, name, value).value_or(Flux(1));
+  // Of Walter's rgbe.c, which other programs took over: the power that a screen is to raise values to.
+  if (name == "GAMMA") h.gamma = factors(h, name, value).value_or(Flux(1)).x;
+  if (name == "FORMAT") read_format(h, value);
+  if (name == "PRIMARIES") read_primaries(h, value);
 }
 
 // "-Y 512 +X 1024": scanlines from the top, texels from the left; X first: scanlines are columns.
@@ -230,7 +258,10 @@ struct Reader {
       if (next < begin) continue;
       for (const Rgbe& p : line) {
         const double u = unit[p[3]];
-        const Flux colour = matrix * Flux(p[0] * u, p[1] * u, p[2] * u);
+        Flux stored(p[0] * u, p[1] * u, p[2] * u);
+        if (header.gamma != 1)
+          for (int c = 0; c < 3; ++c) stored[c] = portable::pow(stored[c], header.gamma);
+        const Flux colour = matrix * stored;
         for (int c = first; c < first + count; ++c) *to++ = float(header.xyz ? std::max(colour[c], 0.0) : colour[c]);
       }
     }
@@ -252,7 +283,10 @@ ImageReader open_radiance(const InputFile& file) {
                                              header.applied.y, header.applied.z));
   if (header.says_primaries || header.xyz) made.facts.provenance.chromaticities = chromaticities(header.primaries);
   if (header.xyz) made.facts.details.emplace_back("CIE XYZ became RGB; colours outside of that are cut at 0");
+  if (header.gamma != 1) made.facts.details.push_back(fmt::format("values are raised to GAMMA {:g}", header.gamma));
   made.facts.orientation = header.orientation;
+  made.facts.claims = header.claims;
+  made.facts.notes = header.notes;
   return made;
 }
 

@@ -15,6 +15,7 @@
 #include "envmap/io/exif.h"
 #include "envmap/io/half.h"
 #include "envmap/io/row_readers.h"
+#include "envmap/io/tiff_colour.h"
 
 namespace envmap {
 namespace {
@@ -35,6 +36,7 @@ class TiffFile {
     tiff_ = TIFFClientOpenExt(
         "TIFF", "rm", this, get, none, seek, [](thandle_t) { return 0; }, size, nullptr, nullptr, options.get());
     if (!tiff_) fail();
+    unpack_log_luv(tiff_);
   }
   ~TiffFile() { TIFFClose(tiff_); }
   TiffFile(const TiffFile&) = delete;
@@ -86,23 +88,30 @@ bool has(TIFF* tiff, unsigned tag) {
 // What of an image is read here.
 struct Header {
   std::uint32_t width, height;
-  int samples, bits, format, photometric, compression;
+  std::uint32_t rows_per_strip;
+  int samples, bits, format, photometric, compression, planes;
 
   explicit Header(TIFF* t)
       : width(number<std::uint32_t>(t, TIFFTAG_IMAGEWIDTH)),
         height(number<std::uint32_t>(t, TIFFTAG_IMAGELENGTH)),
+        rows_per_strip(number<std::uint32_t>(t, TIFFTAG_ROWSPERSTRIP)),
         samples(number<std::uint16_t>(t, TIFFTAG_SAMPLESPERPIXEL)),
         bits(number<std::uint16_t>(t, TIFFTAG_BITSPERSAMPLE)),
         format(number<std::uint16_t>(t, TIFFTAG_SAMPLEFORMAT)),
         photometric(number<std::uint16_t>(t, TIFFTAG_PHOTOMETRIC)),
-        compression(number<std::uint16_t>(t, TIFFTAG_COMPRESSION)) {}
+        compression(number<std::uint16_t>(t, TIFFTAG_COMPRESSION)),
+        planes(number<std::uint16_t>(t, TIFFTAG_PLANARCONFIG)) {}
 
   [[nodiscard]] bool is_floating() const { return format == SAMPLEFORMAT_IEEEFP; }
   [[nodiscard]] Depth depth() const {
     if (is_floating()) return bits == 16 ? Depth::half : Depth::single;
     return bits == 16 ? Depth::uint16 : Depth::uint8;
   }
-  [[nodiscard]] std::size_t row_bytes() const { return std::size_t(width) * std::size_t(samples * bits / 8); }
+  [[nodiscard]] bool is_log() const { return photometric == PHOTOMETRIC_LOGLUV || photometric == PHOTOMETRIC_LOGL; }
+  [[nodiscard]] bool has_planes() const { return planes != PLANARCONFIG_CONTIG && samples > 1; }
+  // Samples of a texel that lie side by side.
+  [[nodiscard]] std::size_t together() const { return has_planes() ? 1 : std::size_t(samples); }
+  [[nodiscard]] std::size_t row_bytes() const { return std::size_t(width) * together() * std::size_t(bits) / 8; }
 };
 
 bool has_usual_samples(TIFF* tiff, const Header& h) {
@@ -114,15 +123,17 @@ bool has_usual_samples(TIFF* tiff, const Header& h) {
   const bool rgba =
       h.photometric == PHOTOMETRIC_RGB && h.samples == 4 && extra == 1 && kinds[0] == EXTRASAMPLE_ASSOCALPHA;
   const bool integers = h.format == SAMPLEFORMAT_UINT && (h.bits == 8 || h.bits == 16);
-  return (grey || rgb || rgba) && (integers || (h.is_floating() && (h.bits == 16 || h.bits == 32)));
+  return (grey || rgb || rgba || h.is_log()) &&
+         (integers || (h.is_floating() && (h.bits == 16 || h.bits == 32 || h.bits == 64)));
 }
 
 bool is_for_openimageio(TIFF* tiff, const Header& h) {
   constexpr double large = 1 << 24;  // Bytes.
   constexpr int lossless[] = {COMPRESSION_LZW, COMPRESSION_DEFLATE, COMPRESSION_ADOBE_DEFLATE, COMPRESSION_PACKBITS};
   if (!has_usual_samples(tiff, h) || TIFFIsTiled(tiff) || TIFFScanlineSize64(tiff) != h.row_bytes()) return true;
-  if (number<std::uint16_t>(tiff, TIFFTAG_PLANARCONFIG) != PLANARCONFIG_CONTIG && h.samples > 1) return true;
-  if (h.compression != COMPRESSION_NONE &&
+  // OpenImageIO reads planes, and cannot go back in them where they are compressed.
+  if (h.has_planes() && h.compression == COMPRESSION_NONE && h.bits < 64) return true;
+  if (!h.is_log() && !h.has_planes() && h.compression != COMPRESSION_NONE &&
       (std::ranges::find(lossless, h.compression) == std::end(lossless) || double(h.row_bytes()) * h.height > large))
     return true;
   for (const unsigned tag : {TIFFTAG_XPOSITION, TIFFTAG_YPOSITION, TIFFTAG_IMAGEDEPTH, TIFFTAG_PIXAR_IMAGEFULLWIDTH,
@@ -151,6 +162,7 @@ ImageFacts facts_of(TIFF* tiff, const Header& h) {
   add_text(tiff, TIFFTAG_COPYRIGHT, copyright, f.attributes);
   const int way = number<std::uint16_t>(tiff, TIFFTAG_ORIENTATION);
   if (way >= 1 && way <= 8) f.orientation = static_cast<Orientation>(way);
+  read_tiff_colours(tiff, f);
   return f;
 }
 
@@ -162,7 +174,14 @@ bool has_words_of_openimageio(const ImageFacts& facts) {
 }
 
 // Samples of a row as floats.
-void set_floats(const std::vector<unsigned char>& row, Depth depth, std::span<float> samples) {
+void set_floats(std::span<const unsigned char> row, const Header& header, std::span<float> samples) {
+  const Depth depth = header.depth();
+  if (header.bits == 64) {
+    std::vector<double> doubles(samples.size());
+    std::memcpy(doubles.data(), row.data(), row.size());
+    std::ranges::transform(doubles, samples.begin(), [](double v) { return float(v); });
+    return;
+  }
   std::vector<std::uint16_t> words(depth == Depth::half || depth == Depth::uint16 ? samples.size() : 0);
   if (!words.empty()) std::memcpy(words.data(), row.data(), row.size());
   if (depth == Depth::single) std::memcpy(samples.data(), row.data(), row.size());
@@ -172,35 +191,70 @@ void set_floats(const std::vector<unsigned char>& row, Depth depth, std::span<fl
   if (depth == Depth::uint8) std::ranges::transform(row, samples.begin(), [](auto v) { return float(v) * of_8; });
 }
 
-struct Reader {
-  TiffFile file;
-  Header header{file.tiff()};
-  int next = 0;  // Row that libtiff reads.
+class Reader {
+ public:
+  explicit Reader(const InputFile& f) : file_(f) {}
 
-  explicit Reader(const InputFile& f) : file(f) {}
+  [[nodiscard]] TIFF* tiff() const { return file_.tiff(); }
+  [[nodiscard]] const Header& header() const { return header_; }
 
-  // Codecs pass over no rows: those of a strip are read from its beginning on, which libtiff itself goes back to.
   void read(int begin, int end, int first, int count, float* to) {
-    const auto strip = std::int64_t{number<std::uint32_t>(file.tiff(), TIFFTAG_ROWSPERSTRIP)};
-    const auto start = int(begin - begin % std::max<std::int64_t>(1, strip));
-    std::vector<unsigned char> row(header.row_bytes());
-    std::vector<float> samples(std::size_t(header.width) * std::size_t(header.samples));
-    for (int y = next < start || next > begin ? start : next; y < end; next = ++y) {
-      if (TIFFReadScanline(file.tiff(), row.data(), std::uint32_t(y), 0) != 1) file.fail();
+    if (header_.has_planes()) return read_planes(begin, end, first, count, to);
+    // Codecs pass over no rows: those of a strip are read from its beginning on, which libtiff itself goes back to.
+    const auto start = int(begin - begin % rows_of_strip());
+    std::vector<unsigned char> row(header_.row_bytes());
+    std::vector<float> samples(std::size_t(header_.width) * std::size_t(header_.samples));
+    for (int y = next_ < start || next_ > begin ? start : next_; y < end; next_ = ++y) {
+      if (TIFFReadScanline(tiff(), row.data(), std::uint32_t(y), 0) != 1) file_.fail();
       if (y < begin) continue;
-      set_floats(row, header.depth(), samples);
-      for (std::size_t k = std::size_t(first); k < samples.size(); k += std::size_t(header.samples))
+      set_floats(row, header_, samples);
+      for (std::size_t k = std::size_t(first); k < samples.size(); k += std::size_t(header_.samples))
         to = std::copy_n(samples.data() + k, count, to);
     }
   }
+
+ private:
+  [[nodiscard]] std::int64_t rows_of_strip() const {
+    return std::clamp<std::int64_t>(header_.rows_per_strip, 1, std::max(1U, header_.height));
+  }
+
+  // A strip of one plane after the other, each as a whole.
+  void read_planes(int begin, int end, int first, int count, float* to) {
+    const auto rows = rows_of_strip();
+    std::vector<float> samples(header_.width);
+    for (int channel = 0; channel < count; ++channel)
+      for (int y = begin; y < end; ++y) {
+        load_strip(TIFFComputeStrip(tiff(), std::uint32_t(y), std::uint16_t(first + channel)), y / rows * rows);
+        const std::span row(strip_.data() + std::size_t(y % rows) * header_.row_bytes(), header_.row_bytes());
+        set_floats(row, header_, samples);
+        float* texel = to + std::size_t(y - begin) * header_.width * std::size_t(count) + channel;
+        for (const float v : samples) *texel = v, texel += count;
+      }
+  }
+
+  void load_strip(std::uint32_t number, std::int64_t first_row) {
+    if (!strip_.empty() && number == loaded_) return;
+    const auto rows = std::min<std::int64_t>(rows_of_strip(), std::int64_t{header_.height} - first_row);
+    strip_.resize(std::size_t(rows) * header_.row_bytes());
+    if (TIFFReadEncodedStrip(tiff(), number, strip_.data(), tmsize_t(strip_.size())) != tmsize_t(strip_.size()))
+      strip_.clear(), file_.fail();
+    loaded_ = number;
+  }
+
+  TiffFile file_;
+  Header header_{file_.tiff()};
+  int next_ = 0;  // Row that libtiff reads.
+  std::uint32_t loaded_ = 0;
+  std::vector<unsigned char> strip_ = {};
 };
 
 }  // namespace
 
-std::optional<ImageReader> open_tiff(const InputFile& file) {
+std::optional<ImageReader> open_tiff(const InputFile& file, ImageFacts* found) {
   const auto reader = std::make_shared<Reader>(file);
-  const ImageFacts facts = facts_of(reader->file.tiff(), reader->header);
-  if (is_for_openimageio(reader->file.tiff(), reader->header) || has_words_of_openimageio(facts)) return std::nullopt;
+  const ImageFacts facts = facts_of(reader->tiff(), reader->header());
+  if (found) *found = facts;
+  if (is_for_openimageio(reader->tiff(), reader->header()) || has_words_of_openimageio(facts)) return std::nullopt;
   return ImageReader{.format = "tiff",
                      .facts = facts,
                      .read = [reader](int, int begin, int end, int first, int count, std::span<float> out) {

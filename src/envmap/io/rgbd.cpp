@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "envmap/base/error.h"
 #include "envmap/io/bands.h"
 #include "envmap/io/png.h"
+#include "envmap/io/row_readers.h"
 #include "envmap/maths/portable.h"
 
 namespace envmap {
@@ -89,24 +91,59 @@ std::vector<RgbdFaces> rgbd_faces(std::span<const Atlas> levels, const Progress&
   return files;
 }
 
-TextureFile rgbd_texture(const InputFile& file, const char* container, std::vector<FilePart> parts) {
-  if (parts.empty() || parts.size() % 6 != 0)
-    throw InputError(fmt::format("damaged: {} images are no six faces a level", parts.size()));
-  const Size first = size_of_png(read_bytes(file, parts[0].offset, parts[0].size));
+namespace {
+
+bool is_jpeg(std::span<const std::byte> file) {
+  return file.size() > 1 && file[0] == std::byte{0xff} && file[1] == std::byte{0xd8};
+}
+
+// Without its alpha, which is 255.
+RgbaImage rgba_of_jpeg(std::span<const std::byte> bytes) {
+  const InputFile file(std::span(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
+  const std::optional<ImageReader> reader = open_jpeg(file, std::nullopt, true);
+  if (!reader) throw InputError("not supported: a face is a JPEG image with an orientation, a gain map or inks");
+  const int width = reader->facts.width, height = reader->facts.height;
+  const auto channels = reader->facts.channels.size();
+  const std::size_t texels = std::size_t(width) * std::size_t(height);
+  if (double(texels) > 1e4 * double(bytes.size()))
+    throw InputError(fmt::format("damaged: {} bytes cannot hold a face of {}x{}", bytes.size(), width, height));
+  std::vector<float> values(texels * channels);
+  reader->read(0, 0, height, 0, int(channels), values);
+  RgbaImage image{width, height, std::vector<std::byte>(4 * texels, std::byte{255})};
+  for (std::size_t k = 0; k < texels; ++k)
+    for (std::size_t c = 0; c < 3; ++c)
+      image.bytes[4 * k + c] = static_cast<std::byte>(std::lround(255 * values[k * channels + c % channels]));
+  return image;
+}
+
+RgbaImage rgba_of(std::span<const std::byte> file) { return is_jpeg(file) ? rgba_of_jpeg(file) : rgba_of_png(file); }
+
+Size size_of(std::span<const std::byte> file) {
+  if (!is_jpeg(file)) return size_of_png(file);
+  const RgbaImage image = rgba_of_jpeg(file);
+  return {image.width, image.height};
+}
+
+}  // namespace
+
+TextureFile rgbd_texture(const InputFile& file, const char* container, std::size_t images, const FaceImage& image,
+                         std::uint64_t size) {
+  if (images == 0 || images % 6 != 0)
+    throw InputError(fmt::format("damaged: {} images are no six faces a level", images));
+  const Size first = size_of(image(file, 0));
   TextureFile t{.container = container,
                 .texels = Texels::rgbd8,
                 .width = first.width,
                 .height = first.height,
-                .levels = int(std::min<std::size_t>(parts.size() / 6, 64)),
+                .levels = int(std::min<std::size_t>(images / 6, 64)),
                 .cube = true};
-  check_texture(t, file.size());
-  t.bytes = [t, parts = std::move(parts)](const InputFile& from, int level) {
-    const std::uint64_t size = t.image_bytes(level);
+  check_texture(t, size);
+  t.bytes = [t, image](const InputFile& from, int level) {
+    const std::uint64_t all = t.image_bytes(level);
     std::vector<std::byte> bytes;
     for (std::size_t face = 0; face < 6; ++face) {
-      const FilePart& part = parts[6 * std::size_t(level) + placed(face)];
-      RgbaImage found = rgba_of_png(read_bytes(from, part.offset, part.size));
-      if (found.bytes.size() != size || found.width != t.level_width(level))
+      RgbaImage found = rgba_of(image(from, 6 * std::size_t(level) + placed(face)));
+      if (found.bytes.size() != all || found.width != t.level_width(level))
         throw InputError(fmt::format("damaged: a face of level {} is {}x{}", level, found.width, found.height));
       turn(found.bytes, found.width);
       bytes.insert(bytes.end(), found.bytes.begin(), found.bytes.end());

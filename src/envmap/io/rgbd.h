@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstddef>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -32,13 +33,13 @@ using RgbdFaces = std::array<std::vector<char>, 6>;
 /// @param progress may be empty.
 std::vector<RgbdFaces> rgbd_faces(std::span<const Atlas> levels, const Progress& progress);
 
-/// Where in a file a PNG image lies.
-struct FilePart {
-  std::uint64_t offset, size;
-};
+/// The bytes of an image file, one of many that a file holds or names.
+using FaceImage = std::function<std::vector<std::byte>(const InputFile& file, std::size_t index)>;
 
-/// A cube out of such images. @param parts six for each level, the largest first. @throws InputError, as its `bytes`
-/// do, without the file's name, where one is no PNG image of the level's size.
-TextureFile rgbd_texture(const InputFile& file, const char* container, std::vector<FilePart> parts);
+/// A cube out of such images. @param image is asked for six of them for each level, the largest first: PNG, or JPEG,
+/// which has no alpha to divide by. @param size bytes of all of them. @throws InputError, as its `bytes` do, without
+/// the file's name, where one is no image of the level's size.
+TextureFile rgbd_texture(const InputFile& file, const char* container, std::size_t images, const FaceImage& image,
+                         std::uint64_t size);
 
 }  // namespace envmap

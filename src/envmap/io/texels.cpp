@@ -43,12 +43,12 @@ float small_float(std::uint32_t word, int bits) {
   return std::ldexp(float(whole), std::max(1, int(exponent)) - 15 - bits);
 }
 
-// Floats with three or four channels.
+// Floats with one, three or four channels.
 bool colours(std::span<const float> values, std::size_t channels, std::span<Colour> to) {
   bool opaque = true;
   for (std::size_t i = 0; i < to.size(); ++i) {
     const float* v = values.data() + i * channels;
-    to[i] = Colour(v[0], v[1], v[2]);
+    to[i] = channels == 1 ? Colour(v[0]) : Colour(v[0], v[1], v[2]);
     if (channels == 4) opaque = opaque && v[3] == 1;
   }
   return opaque;
@@ -111,6 +111,22 @@ bool decode(Texels texels, std::span<const std::byte> from, std::span<Colour> to
   else
     from_half({reinterpret_cast<const std::uint16_t*>(from.data()), values.size()}, values);
   return colours(values, channels, to);
+}
+
+bool decode(const Packing& packing, std::span<const std::byte> from, std::span<Colour> to) {
+  const auto value = [](std::uint64_t word, std::uint64_t mask) {
+    const int shift = std::countr_zero(mask);
+    return float(double((word & mask) >> shift) / double(mask >> shift));
+  };
+  bool opaque = true;
+  for (std::size_t i = 0; i < to.size(); ++i) {
+    std::uint64_t word = 0;
+    std::memcpy(&word, from.data() + i * std::size_t(packing.bytes), std::size_t(packing.bytes));
+    const float red = value(word, packing.red);
+    to[i] = packing.green == 0 ? Colour(red) : Colour(red, value(word, packing.green), value(word, packing.blue));
+    opaque = opaque && (word & packing.alpha) == packing.alpha;
+  }
+  return opaque;
 }
 
 }  // namespace envmap

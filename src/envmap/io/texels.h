@@ -12,7 +12,7 @@
 namespace envmap {
 
 /// Little-endian, channels in memory order; rgb9e5 and rg11b10 are 32-bit words with red in the lowest bits;
-/// BC6H are blocks.
+/// BC6H are blocks; those of one channel are grey; packed ones are as a Packing says.
 enum class Texels {
   rgba16f,
   rgba32f,
@@ -26,7 +26,11 @@ enum class Texels {
   rgb8_srgb,
   rgba8,
   rgba8_srgb,
-  rgbd8
+  rgbd8,
+  r16f,
+  r32f,
+  packed,
+  packed_srgb
 };
 
 struct TexelFormat {
@@ -62,14 +66,25 @@ inline constexpr TexelFormat texel_formats[] = {
     {Texels::rg11b10f, "B10G11R11", 4, 3, Depth::half, 122, 26, 4},
     {Texels::bc6h_ufloat, "BC6H UF16", 16, 3, Depth::bc6h, 131, 95, 1, 4},
     {Texels::bc6h_sfloat, "BC6H SF16", 16, 3, Depth::bc6h, 132, 96, 1, 4},
-    {Texels::rgb8, "RGB8", 3, 3, Depth::uint8, 23, 0, 1},  // Bytes in DDS are left to OpenImageIO.
+    {Texels::rgb8, "RGB8", 3, 3, Depth::uint8, 23, 0, 1},
     {Texels::rgb8_srgb, "RGB8 sRGB", 3, 3, Depth::uint8, 29, 0, 1},
     {Texels::rgba8, "RGBA8", 4, 4, Depth::uint8, 37, 0, 1},
     {Texels::rgba8_srgb, "RGBA8 sRGB", 4, 4, Depth::uint8, 43, 0, 1},
     {Texels::rgbd8, "RGBD", 4, 4, Depth::rgbd, no_vulkan, 0, 1},
+    {Texels::r16f, "half R", 2, 1, Depth::half, no_vulkan, 54, 2},
+    {Texels::r32f, "float R", 4, 1, Depth::single, no_vulkan, 41, 4},
+    {Texels::packed, "integers", 8, 4, Depth::uint16, no_vulkan, 0, 1},
+    {Texels::packed_srgb, "integers sRGB", 8, 4, Depth::uint8, no_vulkan, 0, 1},
 };
 
 inline const TexelFormat& format_of(Texels t) { return texel_formats[int(t)]; }
+
+/// Texels of up to 8 bytes, little-endian: which bits are a channel, an integer that stands for 0 to 1. The bits of a
+/// channel lie side by side. Without green it is grey.
+struct Packing {
+  int bytes = 0;
+  std::uint64_t red = 0, green = 0, blue = 0, alpha = 0;
+};
 
 /// What a depth is written as. @param depth half, single, rgb9e5, bc6h or rgbd.
 inline Texels texels_of(Depth depth) {
@@ -90,5 +105,7 @@ void encode(Texels texels, std::span<const Colour> from, std::span<std::byte> to
 /// A row of texels, or one of blocks. Bytes are linear from 0 to 1 unless their format is an sRGB one.
 /// @param to as many rows as a block has, next to each other. @return whether every alpha is 1.
 bool decode(Texels texels, std::span<const std::byte> from, std::span<Colour> to);
+/// The same of packed texels.
+bool decode(const Packing& packing, std::span<const std::byte> from, std::span<Colour> to);
 
 }  // namespace envmap

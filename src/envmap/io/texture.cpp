@@ -11,6 +11,7 @@
 #include "envmap/base/parallel.h"
 #include "envmap/io/bands.h"
 #include "envmap/io/bc6h.h"
+#include "envmap/io/srgb.h"
 
 namespace envmap {
 namespace {
@@ -95,15 +96,23 @@ namespace {
 
 using PutRow = std::function<void(int face, int row, std::span<const Colour> texels)>;
 
+bool decode_row(const TextureFile& t, std::span<const std::byte> from, std::span<Colour> to) {
+  if (t.packing.bytes == 0) return decode(t.texels, from, to);
+  const bool opaque = decode(t.packing, from, to);
+  if (t.texels == Texels::packed_srgb) decode_srgb(to);
+  return opaque;
+}
+
 // All rows of the images of a level, from many threads at once. @return whether every alpha is 1.
-bool decode_images(const TexelFormat& format, std::span<const std::byte> bytes, int faces, int width, int height,
+bool decode_images(const TextureFile& t, std::span<const std::byte> bytes, int faces, int width, int height,
                    const PutRow& put) {
+  const TexelFormat format = t.format();
   const std::size_t row_bytes = format.row_bytes(width), columns = std::size_t(width);
   const int strips = int(format.blocks(height));
   std::atomic<bool> opaque{true};
   parallel_for(faces * strips, [&](int k) {
     std::vector<Colour> rows(std::size_t(format.side) * columns);
-    if (!decode(format.texels, bytes.subspan(std::size_t(k) * row_bytes, row_bytes), rows)) opaque = false;
+    if (!decode_row(t, bytes.subspan(std::size_t(k) * row_bytes, row_bytes), rows)) opaque = false;
     const int top = k % strips * format.side;
     for (int j = 0; j < std::min(format.side, height - top); ++j)
       put(k / strips, top + j, std::span(rows).subspan(std::size_t(j) * columns, columns));
@@ -122,12 +131,11 @@ struct Stored {
 Level decode_cube(const Stored& s, bool& opaque) {
   const int size = s.texture.level_height(s.number);
   Level cube(Projection::cube, size);
-  opaque = decode_images(format_of(s.texture.texels), s.bytes, 6, size, size,
-                         [&](int face, int row, std::span<const Colour> texels) {
-                           const auto out = cube.row(face, is_y_face(face) ? size - 1 - row : row);
-                           std::ranges::copy(texels, out.begin());
-                           if (!is_y_face(face)) std::ranges::reverse(out);
-                         });
+  opaque = decode_images(s.texture, s.bytes, 6, size, size, [&](int face, int row, std::span<const Colour> texels) {
+    const auto out = cube.row(face, is_y_face(face) ? size - 1 - row : row);
+    std::ranges::copy(texels, out.begin());
+    if (!is_y_face(face)) std::ranges::reverse(out);
+  });
   return cube;
 }
 
@@ -135,11 +143,10 @@ Level decode_cube(const Stored& s, bool& opaque) {
 Level decode_flat(const Stored& s, const DetectedLayout& base, int number, bool& opaque) {
   const int w = s.texture.level_width(s.number), h = s.texture.level_height(s.number);
   std::vector<Colour> image(std::size_t(w) * std::size_t(h));
-  opaque =
-      decode_images(format_of(s.texture.texels), s.bytes, 1, w, h, [&](int, int row, std::span<const Colour> texels) {
-        const auto to = std::ptrdiff_t(s.texture.bottom_up ? h - 1 - row : row) * w;
-        std::ranges::copy(texels, image.begin() + to);
-      });
+  opaque = decode_images(s.texture, s.bytes, 1, w, h, [&](int, int row, std::span<const Colour> texels) {
+    const auto to = std::ptrdiff_t(s.texture.bottom_up ? h - 1 - row : row) * w;
+    std::ranges::copy(texels, image.begin() + to);
+  });
   const FaceSize face = face_size(base, number);
   const Grid places = grid(base.layout);
   if (w < places.columns * face.width || h < places.rows * face.height)
@@ -153,7 +160,7 @@ Level decode_flat(const Stored& s, const DetectedLayout& base, int number, bool&
 }  // namespace
 
 Level read_texture(const InputFile& file, const TextureFile& t, int stored, const DetectedLayout& base, int number,
-                   bool any_alpha) {
+                   bool any_alpha, bool encoded) {
   const std::vector<std::byte> bytes = t.bytes(file, stored);
   if (const int h = t.level_height(stored); t.cube && h != face_size(base, number).height)
     throw InputError(fmt::format("is {0}x{0}, not level {1} of {2}x{2}", h, number, base.size));
@@ -161,6 +168,8 @@ Level read_texture(const InputFile& file, const TextureFile& t, int stored, cons
   Level level =
       t.cube ? decode_cube({bytes, stored, t}, opaque) : decode_flat({bytes, stored, t}, base, number, opaque);
   if (!opaque && !any_alpha) throw InputError("has an alpha that is not 1 everywhere", Remedy::drop_channels);
+  if (encoded)
+    for_each_row(level.faces(), level.height(), {}, [&](int face, int row) { decode_srgb(level.row(face, row)); });
   return level;
 }
 

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <functional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "envmap/io/detect_layout.h"
@@ -25,21 +26,34 @@ class Shares;
 struct TextureFile {
   const char* container;  ///< ktx, ktx2 or dds.
   Texels texels;
+  Packing packing = {};  ///< Of packed texels.
   /// Each level has half the sides of the one before, rounded down, at least 1.
   int width = 0, height = 0, levels = 1;
   bool cube = false;
   bool bottom_up = false;  ///< The first row of an image is its lowest.
   Metadata recorded = {};
-  KhrColour colour = {};  ///< Of KTX2.
+  std::vector<Claim> claims = {};  ///< As ImageFacts::claims.
+  KhrColour colour = {};           ///< Of KTX2.
+  bool by_integers = false;  ///< Its values are sRGB encoded as integers of files are, though nothing in it says so.
+  /// Of glTF: the light comes out times `gain`, turned by `rotation`.
+  double gain = 1;
+  Rotation rotation{1};
+  std::vector<std::string> notes = {}, details = {};
+  std::vector<std::string> files = {};  ///< That were read beside it.
   /// Bytes of a level: its rows (of texels or blocks) without padding, face after face +X -X +Y -Y +Z -Z. @throws
   /// InputError without file name.
   std::function<std::vector<std::byte>(const InputFile& file, int level)> bytes;
 
   [[nodiscard]] int level_width(int level) const { return std::max(1, width >> level); }
   [[nodiscard]] int level_height(int level) const { return std::max(1, height >> level); }
+  [[nodiscard]] TexelFormat format() const {
+    TexelFormat f = format_of(texels);
+    if (packing.bytes > 0) f.bytes = packing.bytes;
+    return f;
+  }
   /// Bytes of one image of a level.
   [[nodiscard]] std::uint64_t image_bytes(int level) const {
-    return format_of(texels).image_bytes(level_width(level), level_height(level));
+    return format().image_bytes(level_width(level), level_height(level));
   }
 };
 
@@ -80,9 +94,9 @@ Rows in_api_orientation(const Rows& rows);
 /// A level out of a texture. @param stored its number in the file.
 /// @param base what detect_layout() or the cube flag says of level 0.
 /// @param number the level of `base` that it is. @param any_alpha whether an alpha other than 1 is left behind;
-/// else it is an InputError.
+/// else it is an InputError. @param encoded whether values that TextureFile::by_integers is of become linear.
 Level read_texture(const InputFile& file, const TextureFile& texture, int stored, const DetectedLayout& base,
-                   int number, bool any_alpha);
+                   int number, bool any_alpha, bool encoded = false);
 
 /// What is read back of a level written as such texels.
 Level read_back(const Level& level, Texels texels);

@@ -83,7 +83,8 @@ struct Weights {
 
 class Pair {
  public:
-  Pair(const Fisheye& lens, bool back) : lens_(lens), back_(back) {}
+  Pair(const Fisheye& lens, const std::optional<Fisheye>& back)
+      : lens_(lens), back_lens_(back.value_or(lens)), back_(back) {}
 
   // Where the photos show what the map has at (s,t), r from its middle.
   [[nodiscard]] Point2 front(double s, double t, double r) const {
@@ -91,8 +92,8 @@ class Pair {
     return {lens_.circle.x + k * s, lens_.circle.y - k * t};
   }
   [[nodiscard]] Point2 back(double s, double t, double r) const {
-    const double k = r > 0 ? lens_.radius(pi * std::max(0.0, 1 - r)) / r : 0;
-    return {lens_.circle.x - k * s, lens_.circle.y - k * t};
+    const double k = r > 0 ? back_lens_.radius(pi * std::max(0.0, 1 - r)) / r : 0;
+    return {back_lens_.circle.x - k * s, back_lens_.circle.y - k * t};
   }
 
   [[nodiscard]] Weights at(double s, double t) const {
@@ -100,7 +101,7 @@ class Pair {
     if (r > 1) return {0, 0};
     // Radians from the circle, where the photo shows the place.
     const double f = lens_.depth(front(s, t, r)) > 0 ? lens_.half - pi * r : 0;
-    const double b = back_ && lens_.depth(back(s, t, r)) > 0 ? lens_.half - pi * (1 - r) : 0;
+    const double b = back_ && back_lens_.depth(back(s, t, r)) > 0 ? back_lens_.half - pi * (1 - r) : 0;
     return f > 0 || b > 0 ? Weights{std::max(0.0, f) / (std::max(0.0, f) + std::max(0.0, b)),
                                     std::max(0.0, b) / (std::max(0.0, f) + std::max(0.0, b))}
                           : Weights{0, 0};
@@ -111,7 +112,7 @@ class Pair {
     const double r = std::sqrt(s * s + t * t);
     if (r > 1 + step) return {0, 0};
     const bool on_edge = std::abs(lens_.depth(front(s, t, r))) < 2 ||
-                         (back_ && std::abs(lens_.depth(back(s, t, r))) < 2) || r > 1 - step;
+                         (back_ && std::abs(back_lens_.depth(back(s, t, r))) < 2) || r > 1 - step;
     if (!on_edge) return at(s, t);
     constexpr int looks = 4;
     Weights sum{0, 0};
@@ -127,7 +128,7 @@ class Pair {
   }
 
  private:
-  Fisheye lens_;
+  Fisheye lens_, back_lens_;
   bool back_;
 };
 
@@ -157,15 +158,18 @@ EnvironmentMap ball_map(const Level& photo, const Circle& ball, const PhotoMapOp
   return map_of(std::move(level));
 }
 
-FisheyeMap fisheye_map(const Level& photo, const Fisheye& lens, const Level* back, const PhotoMapOptions& options) {
+FisheyeMap fisheye_map(const Level& photo, const Fisheye& lens, const Level* back, const PhotoMapOptions& options,
+                       const std::optional<Fisheye>& back_lens) {
   check(lens.circle);
-  if (back && (back->width() != photo.width() || back->height() != photo.height()))
+  if (back_lens) check(back_lens->circle);
+  if (back && !back_lens && (back->width() != photo.width() || back->height() != photo.height()))
     throw InputError(fmt::format("the photo of the back must be of the same size, {}x{}, not {}x{}", photo.width(),
                                  photo.height(), back->width(), back->height()));
   constexpr double rounding = 1e-6;
   Level level = square_level(Projection::angular, std::ceil(2 * pi * lens.pixels_per_radian() - rounding), options);
-  const Pair pair(lens, back != nullptr);
-  const Disc ahead(photo, lens.circle), behind(back ? *back : photo, lens.circle);
+  const Fisheye other = back_lens.value_or(lens);
+  const Pair pair(lens, back ? std::optional(other) : std::nullopt);
+  const Disc ahead(photo, lens.circle), behind(back ? *back : photo, other.circle);
   const int size = level.height();
   // Of each row the solid angle that is shown, and all of it, but for a factor.
   std::vector<std::array<double, 2>> solid(static_cast<std::size_t>(size));

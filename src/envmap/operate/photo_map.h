@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "envmap/base/progress.h"
 #include "envmap/map/environment_map.h"
@@ -32,9 +33,10 @@ struct FisheyeMap {
 };
 
 /// Photos as an angular map with the lens's axis in its middle, and a texel for each pixel near the axis.
-/// @param back a photo by the same lens turned by 180 degrees about +Y, or null. Where both show a direction, the
-/// weight of each falls to 0 towards its circle.
-FisheyeMap fisheye_map(const Level& photo, const Fisheye& lens, const Level* back, const PhotoMapOptions& options = {});
+/// @param back the photo turned by 180 degrees about +Y, or null. Where both show a direction, the weight of each falls
+/// to 0 towards its circle. @param back_lens that took it; absent: the same one, and the photos are of one size.
+FisheyeMap fisheye_map(const Level& photo, const Fisheye& lens, const Level* back, const PhotoMapOptions& options = {},
+                       const std::optional<Fisheye>& back_lens = std::nullopt);
 
 /// One half of a paraboloid map, or both. @throws InputError where a photo is not square, or sizes differ.
 EnvironmentMap paraboloid_map(const Level& front, const Level* back);

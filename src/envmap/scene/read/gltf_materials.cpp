@@ -41,7 +41,14 @@ int texture(GltfReader& r, const Field& info, bool colour) {
   }
   const std::pair key(info["index"].index(1u << 31), colour);
   if (const auto found = r.textures.find(key); found != r.textures.end()) return found->second;
-  Texture t = open_texture(r, field);
+  Texture t;
+  try {
+    t = open_texture(r, field);
+  } catch (const MissingFile& e) {
+    if (!r.allow_missing) throw;
+    note_once(r.scene.remarks, std::string(e.what()) + "; its surfaces have no texture");
+    return r.textures[key] = -1;
+  }
   t.srgb = colour;
   if (field["sampler"].there()) {
     const Field sampler = r.document.refer(field["sampler"], "samplers");

@@ -27,10 +27,14 @@ std::vector<std::uint32_t> corners(const GltfDocument& document, const Field& ac
 }
 
 // Triangles of a list, a strip or a fan (specification, 3.7.2.1).
-std::vector<std::uint32_t> triangles(const std::vector<std::uint32_t>& v, const Field& primitive) {
+std::vector<std::uint32_t> triangles(std::vector<std::uint32_t> v, const Field& primitive, Scene& scene) {
   const std::size_t mode = primitive["mode"].index(7, 4);
   if (mode == 4) {
-    if (v.size() % 3 != 0) primitive.fail(fmt::format("has {} corners, not three a triangle", v.size()));
+    // No program draws a triangle that is not whole.
+    if (v.size() % 3 != 0)
+      note_once(scene.remarks,
+                "against glTF's rules, a mesh has corners beyond its last whole triangle: they are not drawn");
+    v.resize(v.size() / 3 * 3);
     return v;
   }
   std::vector<std::uint32_t> found;
@@ -53,7 +57,8 @@ std::vector<glm::vec4> colours(const GltfDocument& document, const Field& access
   return found;
 }
 
-Mesh plain(const GltfDocument& document, const Field& primitive) {
+Mesh plain(GltfReader& r, const Field& primitive) {
+  const GltfDocument& document = r.document;
   const Field attributes = primitive["attributes"];
   Mesh mesh;
   mesh.positions = vectors<glm::vec3>(document, attributes["POSITION"], 0);
@@ -63,7 +68,7 @@ Mesh plain(const GltfDocument& document, const Field& primitive) {
   mesh.coordinates = vectors<glm::vec2>(document, attributes["TEXCOORD_0"], count);
   mesh.tangents = vectors<glm::vec4>(document, attributes["TANGENT"], count);
   mesh.colours = colours(document, attributes["COLOR_0"], count);
-  mesh.indices = triangles(corners(document, primitive["indices"], count), primitive);
+  mesh.indices = triangles(corners(document, primitive["indices"], count), primitive, r.scene);
   return mesh;
 }
 
@@ -101,7 +106,7 @@ void read_mesh(GltfReader& r, const Field& field) {
       continue;
     }
     const bool draco = primitive["extensions"]["KHR_draco_mesh_compression"].there();
-    Mesh mesh = draco ? compressed(r.document, primitive) : plain(r.document, primitive);
+    Mesh mesh = draco ? compressed(r.document, primitive) : plain(r, primitive);
     if (draco && attributes["COLOR_0"].there()) r.note_unsupported("colours of Draco's vertices");
     if (mesh.indices.empty()) continue;
     const bool moves = primitive["targets"].size() > 0 || attributes["JOINTS_0"].there();

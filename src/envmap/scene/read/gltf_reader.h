@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "envmap/io/gltf_document.h"
 #include "envmap/scene/mesh.h"
-#include "envmap/scene/read/gltf_document.h"
 #include "envmap/scene/scene.h"
 
 namespace envmap {
@@ -32,6 +32,7 @@ struct TextureTransform {
 struct GltfReader {
   const GltfDocument& document;
   std::uint64_t pixels_left;  ///< Of textures.
+  bool allow_missing = false;  ///< As read_scene() has it.
   Scene scene = {};
   std::vector<std::vector<int>> meshes = {};                  ///< Of scene.meshes, for each mesh of the document.
   std::map<int, Deformation> shapes = {};                     ///< Of scene.meshes that move.

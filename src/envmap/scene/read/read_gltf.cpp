@@ -101,19 +101,35 @@ std::vector<int> parents(const Field& nodes) {
   return found;
 }
 
-std::vector<std::size_t> roots(const GltfDocument& document, const std::vector<int>& parent) {
+// Nodes of the scene that hang below no other one of it. What the rules of scenes forbid, and other programs draw, is
+// drawn, too.
+std::vector<std::size_t> roots(GltfReader& r, const std::vector<int>& parent) {
   std::vector<std::size_t> found;
-  const Field scenes = document.root()["scenes"];
+  const Field scenes = r.document.root()["scenes"];
   if (scenes.size() == 0) {
     for (std::size_t k = 0; k < parent.size(); ++k)
       if (parent[k] < 0) found.push_back(k);
     return found;
   }
-  const Field listed = scenes[document.root()["scene"].index(scenes.size(), 0)]["nodes"];
+  const Field listed = scenes[r.document.root()["scene"].index(scenes.size(), 0)]["nodes"];
+  std::vector<bool> named(parent.size());
+  for (std::size_t k = 0; k < listed.size(); ++k) named[listed[k].index(parent.size())] = true;
   for (std::size_t k = 0; k < listed.size(); ++k) {
-    found.push_back(listed[k].index(parent.size()));
-    if (parent[found.back()] >= 0) listed[k].fail(fmt::format("is node {}, which is no root", found.back()));
-    if (std::ranges::count(found, found.back()) > 1) listed[k].fail(fmt::format("is node {} again", found.back()));
+    const std::size_t node = listed[k].index(parent.size());
+    int up = parent[node];
+    while (up >= 0 && !named[std::size_t(up)]) up = parent[std::size_t(up)];
+    if (up >= 0)
+      note_once(r.scene.remarks,
+                "against glTF's rules, the scene lists nodes that others in it have as children: they "
+                "are drawn below these");
+    else if (std::ranges::find(found, node) != found.end())
+      note_once(r.scene.remarks, "against glTF's rules, the scene lists a node twice: it is drawn once");
+    else
+      found.push_back(node);
+    if (up < 0 && parent[node] >= 0)
+      note_once(r.scene.remarks,
+                "against glTF's rules, the scene lists nodes that are children of others, which are not "
+                "in it: they are drawn as roots");
   }
   return found;
 }
@@ -122,7 +138,7 @@ void read_nodes(GltfReader& r) {
   const Field all = r.document.root()["nodes"];
   const std::vector<int> parent = parents(all);
   r.nodes.assign(all.size(), -1);
-  std::vector<std::size_t> order = roots(r.document, parent);
+  std::vector<std::size_t> order = roots(r, parent);
   for (std::size_t next = 0; next < order.size(); ++next) {
     const Field field = all[order[next]], children = field["children"];
     const int index = int(next), above = parent[order[next]];
@@ -142,16 +158,17 @@ void check_extensions(GltfReader& r) {
   const auto known = [](const std::string& name) { return std::ranges::find(modelled, name) != std::end(modelled); };
   for (std::size_t k = 0; k < required.size(); ++k)
     if (const std::string name = required[k].text(); !known(name))
-      throw InputError("needs the extension " + name + ", which is not read");
+      throw InputError("not supported: the extension " + name + ", which the file requires");
   for (std::size_t k = 0; k < used.size(); ++k)
     if (const std::string name = used[k].text(); !known(name)) r.note_unsupported("the extension " + name);
 }
 
 }  // namespace
 
-Scene read_gltf(std::span<const std::byte> file, const SceneFolder& folder, std::uint64_t max_pixels) {
+Scene read_gltf(std::span<const std::byte> file, const SceneFolder& folder, std::uint64_t max_pixels,
+                bool allow_missing) {
   const GltfDocument document = open_gltf(file, folder);
-  GltfReader r{document, max_pixels};
+  GltfReader r{document, max_pixels, allow_missing};
   r.scene.files = document.files;
   check_extensions(r);
   check_corners(document);

@@ -6,12 +6,13 @@
 #include <cstdint>
 #include <span>
 
-#include "envmap/scene/read/scene_folder.h"
+#include "envmap/io/scene_folder.h"
 #include "envmap/scene/scene.h"
 
 namespace envmap {
 
 /// @throws InputError without the name of the file.
-Scene read_gltf(std::span<const std::byte> file, const SceneFolder& folder, std::uint64_t max_pixels);
+Scene read_gltf(std::span<const std::byte> file, const SceneFolder& folder, std::uint64_t max_pixels,
+                bool allow_missing = false);
 
 }  // namespace envmap

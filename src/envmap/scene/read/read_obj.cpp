@@ -7,13 +7,14 @@
 #include <map>
 #include <span>
 #include <unordered_map>
+#include <utility>
 
 #include "envmap/base/error.h"
+#include "envmap/io/scene_folder.h"
 #include "envmap/scene/mesh.h"
 #include "envmap/scene/read/obj_document.h"
 #include "envmap/scene/read/read_mtl.h"
 #include "envmap/scene/read/read_texture.h"
-#include "envmap/scene/read/scene_folder.h"
 #include "envmap/scene/read/triangulate.h"
 
 namespace envmap {
@@ -39,13 +40,27 @@ struct Materials {
   const SceneFolder& folder;
   Scene& scene;
   std::uint64_t pixels_left;
+  bool allow_missing;
+  bool lacks_library = false;  // It has been said that materials are white.
   std::map<std::string, Listed> listed = {};
   std::map<std::pair<fs::path, bool>, int> textures = {};  // By place and whether they are clamped.
 };
 
+// An absolute name is of another computer: the file is looked for beside the scene, where people put it.
+std::string beside(Materials& m, const std::string& name) {
+  const bool has_drive = name.size() > 2 && name[1] == ':' && name[2] == '/';
+  if (!has_drive && !name.starts_with('/')) return name;
+  const std::string plain = name.substr(name.rfind('/') + 1);
+  note_once(m.scene.remarks,
+            fmt::format("'{}' is an absolute path, which is not followed: '{}' beside the scene is taken", name,
+                        plain));
+  return plain;
+}
+
 // @return whether there is such a file.
 bool read_library(Materials& m, std::string name) {
   std::ranges::replace(name, '\\', '/');
+  name = beside(m, name);
   try {
     const fs::path path = m.folder.file(name);
     std::error_code error;
@@ -61,29 +76,43 @@ bool read_library(Materials& m, std::string name) {
 
 // A line is one name that may hold spaces, or several.
 void read_libraries(Materials& m, const std::string& line) {
-  if (line.empty() || read_library(m, line)) return;
+  const bool are_absolute = line.find(" /") != line.npos;
+  if (line.empty() || (!are_absolute && read_library(m, line))) return;
   for (std::size_t begin = 0; begin < line.size();) {
     const std::size_t end = std::min(line.find_first_of(" \t", begin), line.size());
     const std::string name = line.substr(begin, end - begin);
     begin = end + 1;
-    if (!name.empty() && !read_library(m, name))
-      m.scene.remarks.push_back(fmt::format("'{}' is missing: its materials are white", name));
+    if (name.empty() || read_library(m, name)) continue;
+    m.scene.remarks.push_back(fmt::format("'{}' is missing: its materials are white", name));
+    m.lacks_library = true;
   }
 }
 
-int texture(Materials& m, const MtlMap& map, const fs::path& below) {
+int texture(Materials& m, const MtlMap& map, const fs::path& library_folder) {
   if (map.name.empty()) return -1;
   const auto read = [&](const auto& action) {
     try {
       return action();
+    } catch (const MissingFile&) {
+      throw MissingFile(
+          fmt::format("names the texture '{}', which is missing: put it into the scene's folder", map.name));
     } catch (const InputError& e) {
       throw InputError(fmt::format("names the texture '{}': {}", map.name, e.what()));
     }
   };
-  const fs::path path = read([&] { return m.folder.file(map.name, below); });
+  const std::string name = beside(m, map.name);
+  const fs::path below = name == map.name ? library_folder : fs::path();
+  const fs::path path = read([&] { return m.folder.file(name, below); });
   const auto [found, first] = m.textures.try_emplace({path, map.clamp}, int(m.scene.textures.size()));
   if (!first) return found->second;
-  const std::vector<std::byte> bytes = read([&] { return file_bytes(path); });
+  std::vector<std::byte> bytes;
+  try {
+    bytes = read([&] { return file_bytes(path); });
+  } catch (const MissingFile& e) {
+    if (!m.allow_missing) throw;
+    note_once(m.scene.remarks, fmt::format("a material {}; its surfaces have no texture", e.what()));
+    return found->second = -1;
+  }
   Texture made =
       decode_colours(map.name, {text_of(bytes).begin(), text_of(bytes).end()}, m.pixels_left, m.scene.unsupported);
   if (map.clamp) made.wrap_u = made.wrap_v = Texture::Wrap::clamp;
@@ -106,11 +135,12 @@ Material material(Materials& m, const std::string& name) {
 }
 
 // Those that faces use, in the order of their names in the document, then a white one where faces have none.
-void read_materials(const ObjDocument& d, const SceneFolder& folder, std::uint64_t max_pixels, Scene& scene) {
-  Materials m{folder, scene, max_pixels};
+void read_materials(const ObjDocument& d, const SceneFolder& folder, std::uint64_t max_pixels, bool allow_missing,
+                    Scene& scene) {
+  Materials m{folder, scene, max_pixels, allow_missing};
   for (const std::string& line : d.libraries) read_libraries(m, line);
   for (const std::string& name : d.materials) {
-    if (!m.listed.contains(name) && scene.remarks.empty())
+    if (!m.listed.contains(name) && !std::exchange(m.lacks_library, true))
       scene.remarks.push_back(fmt::format("no .mtl defines the material '{}': it is white", name));
     scene.materials.push_back(material(m, name));
   }
@@ -206,11 +236,12 @@ void read_faces(const ObjDocument& d, Scene& scene) {
 
 }  // namespace
 
-Scene read_obj(std::span<const std::byte> file, const SceneFolder& folder, std::uint64_t max_pixels) {
+Scene read_obj(std::span<const std::byte> file, const SceneFolder& folder, std::uint64_t max_pixels,
+               bool allow_missing) {
   ObjDocument document = read_obj_text(text_of(file));
   Scene scene;
   for (const std::string& what : document.unsupported) note_once(scene.unsupported, what);
-  read_materials(document, folder, max_pixels, scene);
+  read_materials(document, folder, max_pixels, allow_missing, scene);
   add_normals(document);
   read_faces(document, scene);
   return scene;

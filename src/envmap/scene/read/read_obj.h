@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <span>
 
-#include "envmap/scene/read/scene_folder.h"
+#include "envmap/io/scene_folder.h"
 #include "envmap/scene/scene.h"
 
 namespace envmap {
@@ -15,6 +15,7 @@ namespace envmap {
 /// within a smoothing group, weighted by the angles at a corner (Thuermer and Wuethrich 1998), else those of the face.
 /// Materials as read_mtl() says; white where a file has none, or its .mtl is missing, which Scene::remarks says.
 /// @throws InputError without the name of the file.
-Scene read_obj(std::span<const std::byte> file, const SceneFolder& folder, std::uint64_t max_pixels);
+Scene read_obj(std::span<const std::byte> file, const SceneFolder& folder, std::uint64_t max_pixels,
+               bool allow_missing = false);
 
 }  // namespace envmap

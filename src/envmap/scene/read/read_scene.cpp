@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "envmap/base/error.h"
+#include "envmap/io/containers.h"
 #include "envmap/io/file_format.h"
 #include "envmap/scene/mesh.h"
 #include "envmap/scene/read/read_gltf.h"
@@ -24,23 +25,17 @@ std::string harmless(std::string text) {
   return text;
 }
 
-// GLB by its mark, glTF by the brace that JSON begins with.
-bool is_gltf(std::string_view bytes) {
-  if (bytes.starts_with(byte_order_mark)) bytes.remove_prefix(byte_order_mark.size());
-  return bytes.starts_with("glTF") ||
-         bytes.substr(std::min(bytes.find_first_not_of(" \t\r\n"), bytes.size())).starts_with('{');
-}
-
-Scene read_any(const std::string& path, std::uint64_t max_pixels) {
+Scene read_any(const std::string& path, std::uint64_t max_pixels, bool allow_missing) {
   std::error_code error;
   if (path != "-" && fs::is_directory(path, error)) throw InputError("is a folder: give a file name");
+  if (path != "-" && !fs::exists(path, error)) throw InputError("no such file");
   const std::vector<std::byte> bytes = path == "-" ? standard_input() : file_bytes(path);
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   const SceneFolder folder(path);
-  if (extension_of(path) == "obj") return read_obj(bytes, folder, max_pixels);
-  if (is_gltf(text)) return read_gltf(bytes, folder, max_pixels);
+  if (extension_of(path) == "obj") return read_obj(bytes, folder, max_pixels, allow_missing);
+  if (is_gltf(text)) return read_gltf(bytes, folder, max_pixels, allow_missing);
   // A stream has no name to tell it by. No text has a byte 0.
-  if (path == "-" && text.find('\0') == text.npos) return read_obj(bytes, folder, max_pixels);
+  if (path == "-" && text.find('\0') == text.npos) return read_obj(bytes, folder, max_pixels, allow_missing);
   throw InputError("not a scene that can be read: neither glTF 2.0 (.gltf, .glb) nor OBJ");
 }
 
@@ -57,14 +52,16 @@ void check(const Scene& scene) {
 
 }  // namespace
 
-Scene read_scene(const std::string& path, std::uint64_t max_pixels) {
+Scene read_scene(const std::string& path, std::uint64_t max_pixels, bool allow_missing) {
   try {
-    Scene scene = read_any(path, max_pixels);
+    Scene scene = read_any(path, max_pixels, allow_missing);
     scene.files.insert(scene.files.begin(), path);
     check(scene);
     std::ranges::transform(scene.unsupported, scene.unsupported.begin(), harmless);
     std::ranges::transform(scene.remarks, scene.remarks.begin(), harmless);
     return scene;
+  } catch (const MissingFile& e) {
+    throw MissingFile(harmless((path == "-" ? "standard input" : path) + ": " + e.what()));
   } catch (const InputError& e) {
     throw InputError(harmless((path == "-" ? "standard input" : path) + ": " + e.what()), e.remedy());
   }

@@ -17,7 +17,10 @@ namespace envmap {
 ///
 /// Every index, count and number is checked before it is used.
 /// @param path `-` for standard input; then what the scene names lies in the current folder.
-/// @param max_pixels of all textures together. @throws InputError in one line, naming the file.
-Scene read_scene(const std::string& path, std::uint64_t max_pixels = std::uint64_t{1} << 31);
+/// @param max_pixels of all textures together. @param allow_missing whether surfaces have no texture where its file is
+/// not there, which Scene::remarks then says. @throws InputError in one line, naming the file; MissingFile where the
+/// file of a texture is not there.
+Scene read_scene(const std::string& path, std::uint64_t max_pixels = std::uint64_t{1} << 31,
+                 bool allow_missing = false);
 
 }  // namespace envmap

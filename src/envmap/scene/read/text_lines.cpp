@@ -20,7 +20,7 @@ std::string_view trimmed(std::string_view text) {
 
 }  // namespace
 
-TextLines::TextLines(std::string_view text) : rest_(text) {
+TextLines::TextLines(std::string_view text) : rest_(text), end_(text.find('\n') == text.npos ? '\r' : '\n') {
   if (rest_.starts_with(byte_order_mark)) rest_.remove_prefix(byte_order_mark.size());
 }
 
@@ -29,7 +29,7 @@ bool TextLines::next() {
   number_ = lines_ + 1;
   joined_.clear();
   for (bool on = true; on;) {
-    const std::size_t end = rest_.find('\n');
+    const std::size_t end = rest_.find(end_);
     line_ = trimmed(rest_.substr(0, end));
     rest_.remove_prefix(end == rest_.npos ? rest_.size() : end + 1);
     ++lines_;

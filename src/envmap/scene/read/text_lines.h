@@ -10,8 +10,8 @@ namespace envmap {
 /// UTF-8's, with which a text may begin.
 inline constexpr std::string_view byte_order_mark = "\xef\xbb\xbf";
 
-/// The lines of a text, ended by LF or CR LF; a line that ends in a backslash goes on in the next one, unless it begins
-/// with #. UTF-8's mark at the beginning is passed over.
+/// The lines of a text, ended by LF or CR LF, or by CR in a text without LF; a line that ends in a backslash goes on in
+/// the next one, unless it begins with #. UTF-8's mark at the beginning is passed over.
 class TextLines {
  public:
   explicit TextLines(std::string_view text);
@@ -25,6 +25,7 @@ class TextLines {
 
  private:
   std::string_view rest_, line_;
+  char end_;
   std::string joined_;
   int number_ = 0, lines_ = 0;
 };

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "envmap/scene/read/scene_folder.h"
+#include "envmap/io/scene_folder.h"
 
 namespace envmap {
 
@@ -42,6 +42,7 @@ class Field {
   /// The same, each from `least` to `most`.
   [[nodiscard]] std::vector<double> numbers(std::vector<double> otherwise, double least, double most) const;
 
+  [[nodiscard]] const std::string& place() const { return place_; }
   [[noreturn]] void fail(const std::string& why) const;
 
  private:
@@ -73,6 +74,12 @@ struct GltfDocument {
 
 /// The file with all its buffers, of which each is as long as it says.
 GltfDocument open_gltf(std::span<const std::byte> file, const SceneFolder& folder);
+
+/// The file without its buffers. @param bin is set to the buffer that lies in it, if any.
+GltfDocument parse_gltf(std::span<const std::byte> file, const SceneFolder& folder,
+                        std::optional<std::span<const std::byte>>& bin);
+/// Reads them. @param bin as parse_gltf() sets it.
+void load_buffers(GltfDocument& document, const std::optional<std::span<const std::byte>>& bin);
 
 struct Resource {
   std::vector<std::byte> bytes;

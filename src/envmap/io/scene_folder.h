@@ -7,9 +7,17 @@
 #include <string>
 #include <vector>
 
+#include "envmap/base/error.h"
+
 namespace envmap {
 
-/// All bytes of a regular file of 1 byte to 4 GiB. @throws InputError without the name of the file.
+/// That there is no such file.
+class MissingFile : public InputError {
+ public:
+  using InputError::InputError;
+};
+
+/// All bytes of a regular file of 1 byte to 4 GiB. @throws MissingFile, or InputError, without the name of the file.
 std::vector<std::byte> file_bytes(const std::filesystem::path& path);
 
 /// The same of what is left of standard input.

@@ -1,4 +1,4 @@
-#include "envmap/scene/read/gltf_document.h"
+#include "envmap/io/gltf_document.h"
 
 #include <fmt/format.h>
 
@@ -184,13 +184,17 @@ Resource bytes_at(const GltfDocument& document, const Field& uri) {
   try {
     const auto path = document.folder.file(without_percents(text));
     return {file_bytes(path), path.string()};
+  } catch (const MissingFile&) {
+    throw MissingFile(uri.place() + " names '" + text + "', which is missing: put it into the scene's folder");
   } catch (const InputError& e) {
     uri.fail("names '" + text + "': " + e.what());
   }
 }
 
-GltfDocument open_gltf(std::span<const std::byte> file, const SceneFolder& folder) {
+GltfDocument parse_gltf(std::span<const std::byte> file, const SceneFolder& folder,
+                        std::optional<std::span<const std::byte>>& bin) {
   const Chunks chunks = chunks_of(file);
+  bin = chunks.bin;
   GltfDocument document{folder};
   try {
     document.json = nlohmann::json::parse(chunks.json);
@@ -199,19 +203,34 @@ GltfDocument open_gltf(std::span<const std::byte> file, const SceneFolder& folde
   } catch (const nlohmann::json::out_of_range&) {
     throw InputError("not sound JSON: a number is too large");
   }
-  const Field root = document.root();
-  const std::string version = root["asset"]["version"].text();
+  const std::string version = document.root()["asset"]["version"].text();
   if (!version.starts_with("2.")) throw InputError("not glTF 2.0: asset.version is '" + version + "'");
-  const Field buffers = root["buffers"];
+  return document;
+}
+
+GltfDocument open_gltf(std::span<const std::byte> file, const SceneFolder& folder) {
+  std::optional<std::span<const std::byte>> bin;
+  GltfDocument document = parse_gltf(file, folder, bin);
+  load_buffers(document, bin);
+  return document;
+}
+
+void load_buffers(GltfDocument& document, const std::optional<std::span<const std::byte>>& bin) {
+  const Field buffers = document.root()["buffers"];
   for (std::size_t k = 0; k < buffers.size(); ++k) {
     const Field buffer = buffers[k], uri = buffer["uri"];
     const auto length = buffer["byteLength"].index(std::numeric_limits<std::uint32_t>::max());
     if (uri.there()) {
-      Resource read = bytes_at(document, uri);
+      Resource read;
+      try {
+        read = bytes_at(document, uri);
+      } catch (const MissingFile& e) {
+        throw InputError(e.what());  // No scene can do without its numbers.
+      }
       document.buffers.push_back(std::move(read.bytes));
       if (!read.file.empty()) document.files.push_back(read.file);
-    } else if (k == 0 && chunks.bin) {
-      document.buffers.emplace_back(chunks.bin->begin(), chunks.bin->end());
+    } else if (k == 0 && bin) {
+      document.buffers.emplace_back(bin->begin(), bin->end());
     } else {
       buffer.fail("has neither an URI nor a chunk in the file");
     }
@@ -219,7 +238,6 @@ GltfDocument open_gltf(std::span<const std::byte> file, const SceneFolder& folde
       buffer.fail(fmt::format("ends early: {} of {} bytes are there", document.buffers[k].size(), length));
     document.buffers[k].resize(length);
   }
-  return document;
 }
 
 // ---- accessors ------------------------------------------------------------------------------------------------------

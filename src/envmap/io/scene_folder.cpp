@@ -1,4 +1,4 @@
-#include "envmap/scene/read/scene_folder.h"
+#include "envmap/io/scene_folder.h"
 
 #include <unistd.h>
 
@@ -19,12 +19,11 @@ constexpr const char* too_large = "has over 4 GiB, more than is read of a scene"
 // A regular file: /dev/zero would go on for ever.
 std::vector<std::byte> file_bytes(const fs::path& path) {
   std::error_code error;
-  if (!fs::exists(path, error)) throw InputError("no such file");
+  if (!fs::exists(path, error)) throw MissingFile("no such file");
   if (!fs::is_regular_file(path, error)) throw InputError("is not a file");
   const std::uintmax_t size = fs::file_size(path, error);
   if (error || size == 0) throw InputError("is empty");
-  if (size > std::numeric_limits<std::uint32_t>::max())
-    throw InputError(too_large);
+  if (size > std::numeric_limits<std::uint32_t>::max()) throw InputError(too_large);
   std::vector<std::byte> bytes(size);
   std::ifstream stream(path, std::ios::binary);
   if (!stream.read(reinterpret_cast<char*>(bytes.data()), std::streamsize(bytes.size())))
