@@ -53,7 +53,7 @@ std::string stored_zlib(const std::string& bytes);
 
 /// Big-endian, in 65536ths (ICC.1, section 4.6).
 std::string fixed(double value);
-/// A profile (ICC.1, section 7). @param space "RGB ", "GRAY" or "CMYK". @param tags signature and element, each in turn.
+/// A profile (ICC.1, section 7). @param space "RGB ", "GRAY" or "CMYK". @param tags signature and element, in turn.
 std::string icc(const std::string& space, const std::string& name,
                 const std::vector<std::pair<std::string, std::string>>& tags);
 /// The element of a colorant.

@@ -51,6 +51,22 @@ TEST_F(Claims, AreHonouredOrNamed) {
   for (const ClaimRow& row : all_rows()) check(row);
 }
 
+TEST_F(Claims, OfColourAreOverriddenByTheCaller) {
+  for (const ClaimRow& row : claims_of_colour()) {
+    if (row.name != "p3.png" && row.name != "pq.png" && row.name != "prophoto.tif" && row.name != "items.jpg") continue;
+    SCOPED_TRACE(row.name);
+    write(row.name, row.bytes);
+    const std::vector<std::string> command{"info", row.name, "--json", "--input-space", "lin_rec709"};
+    if (row.claim == "gain map") {
+      fails(2, command, {"gain map"});
+      continue;
+    }
+    const nlohmann::json told = nlohmann::json::parse(envmap(command).out);
+    EXPECT_EQ(told["claims"][0]["outcome"], "overridden") << told["claims"];
+    EXPECT_FALSE(told.contains("white_luminance"));
+  }
+}
+
 // Formats that state nothing which could change a texel, beside the depth of their samples.
 const std::set<std::string> without_claims{"PNM", "SGI"};
 

@@ -93,7 +93,8 @@ void add_read_options(Options& o, ReadOptions& r) {
   o.add("--channels", "R,G,B", &r.choice.channels, "EXR: read these channels as R, G and B, or one channel as grey")
       .excludes = "--layer";
   o.add("--headroom", "STOPS", &r.choice.headroom, range_of(limits::headroom),
-        "JPEG with a gain map: highlights for STOPS above white; 0: none (default: all)");
+        "Highlights to read from a JPEG gain map, in stops above white (default: all)")
+      .folded = true;
   o.flag("--crop", r.choice.crop, "EXR, TIFF: read the data window as the whole image");
   o.flag("--ignore-envmap-attribute", r.ignore_envmap_attribute,
          "Treat samples as texel centres, see also --border-samples");

@@ -75,7 +75,8 @@ struct ImageFacts {
   std::vector<Claim> claims = {};         ///< What the file states, beside `orientation` and `provenance`.
 };
 
-/// What to read of a file that holds several images, or one for several displays; where a text is empty nothing is said.
+/// What to read of a file that holds several images, or one for several displays; where a text is empty nothing is
+/// said.
 struct ImageChoice {
   std::string part = {};                ///< Its name, or its number from 0; else the first.
   std::string layer = {};               ///< The channels LAYER.R, LAYER.G and LAYER.B.

@@ -36,7 +36,7 @@ struct TiffNumbers {
 // Where the further images of a file begin, by its index (DC-007, section 5.2.3.3).
 std::vector<std::uint64_t> further_images(const JpegSegment& mpf) {
   constexpr std::uint32_t entries_tag = 0xb002;
-  constexpr std::size_t entry_size = 12, image_size = 16;
+  constexpr std::size_t entry_size = 12, image_size = 16, most_images = 64;  // Cameras write some five.
   const std::string_view text = std::string_view(mpf.text).substr(mpf_mark.size());
   const TiffNumbers n{bytes_of(text), text.starts_with("II")};
   std::vector<std::uint64_t> found;
@@ -48,7 +48,7 @@ std::vector<std::uint64_t> further_images(const JpegSegment& mpf) {
     const std::size_t size = n.get(at + 4, 4), begin = n.get(at + 8, 4);
     for (std::size_t image = 0; image + image_size <= size && begin + image + image_size <= text.size();
          image += image_size)
-      if (const std::uint32_t offset = n.get(begin + image + 8, 4); offset > 0)
+      if (const std::uint32_t offset = n.get(begin + image + 8, 4); offset > 0 && found.size() < most_images)
         found.push_back(mpf.at + mpf_mark.size() + offset);
   }
   return found;

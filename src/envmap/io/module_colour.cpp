@@ -22,7 +22,7 @@ std::uint32_t number(const InputFile& file, std::uint64_t at, std::size_t size) 
   return n;
 }
 
-// ---- BMP: offsets are those in the header, which begins behind 14 bytes ----------------------------------------------
+// ---- BMP: offsets are those in the header, which begins behind 14 bytes -----------------------------------------
 
 constexpr std::uint64_t header = 14;
 

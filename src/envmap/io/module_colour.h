@@ -1,7 +1,7 @@
 /// @file
 /// What files that OpenImageIO reads state of their colours, as its versions differ in what they tell. Sources:
-/// Microsoft, "BITMAPV5HEADER structure"; Truevision, "TGA file format specification" 2.0, fields 8 to 30; Google, "WebP
-/// container specification"; ISO/IEC 15444-1, annex I; ICC.1, annex B.
+/// Microsoft, "BITMAPV5HEADER structure"; Truevision, "TGA file format specification" 2.0, fields 8 to 30;
+/// Google, "WebP container specification"; ISO/IEC 15444-1, annex I; ICC.1, annex B.
 #pragma once
 
 #include "envmap/io/image_reader.h"

@@ -19,8 +19,9 @@ ImageWriter create_png(OutputFile& file, const ImagePlan& plan);
 
 /// Opens a PNG image, whose file must outlive the reader. Interlaced images are held in memory once a row is read.
 /// @param straight_alpha whether colours stay as stored, not multiplied by alpha.
-/// @param found its facts, also where nothing is returned. @return nothing for images that OpenImageIO has to read: with
-/// XMP, or an offset. @throws InputError without the file's name.
+/// @param found its facts, also where nothing is returned.
+/// @return nothing for images that OpenImageIO has to read: with XMP, or an offset.
+/// @throws InputError without the file's name.
 std::optional<ImageReader> open_png(const InputFile& file, bool straight_alpha, ImageFacts* found = nullptr);
 
 struct RgbaImage {

@@ -227,7 +227,7 @@ void read_gains(const InputFile& file, std::uint64_t at, GainMap& map) {
   JpegFile jpeg(file, at);
   const Header h = read_header(jpeg);
   const double texels = double(h.width) * h.height;
-  if (texels > 2e4 * double(file.size()))
+  if (texels > 2e4 * double(file.size()) || texels > 0x1p28)
     throw InputError(fmt::format("damaged: a gain map of {}x{}", h.width, h.height), Remedy::take_base);
   if (h.is_cmyk()) throw InputError("damaged: a gain map of inks", Remedy::take_base);
   map.width = h.width, map.height = h.height, map.channels = h.channels;
