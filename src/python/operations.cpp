@@ -82,7 +82,7 @@ py::array_t<float> table_of(const std::string& lobe, int size, const py::object&
 
 py::array_t<double> solid_angles_of(const std::string& projection, int size) {
   const Projection p = projection_of(projection);
-  check(limits::size, size);
+  check_range(limits::size, size);
   const py::ssize_t width = py::ssize_t{size} * aspect(p);
   py::array_t<double> out({py::ssize_t{size}, width});
   for (int j = 0; j < size; ++j) solid_angles(p, size, j, {out.mutable_data(j, 0), std::size_t(width)});

@@ -12,8 +12,8 @@
 #include "envmap/map/atlas.h"
 #include "envmap/maths/portable.h"
 #include "envmap/operate/convert.h"
+#include "envmap/operate/lookup.h"
 #include "envmap/prefilter/prefilter.h"
-#include "envmap/sample/lookup.h"
 
 namespace tools {
 namespace {

@@ -66,7 +66,7 @@ Scene read_scene(const std::string& path, std::uint64_t max_pixels) {
     std::ranges::transform(scene.remarks, scene.remarks.begin(), harmless);
     return scene;
   } catch (const InputError& e) {
-    throw InputError(harmless((path == "-" ? "standard input" : path) + ": " + e.what()), e.remedy());
+    throw InputError(path == "-" ? "standard input" : path, harmless(e.what()), e.remedy());
   }
 }
 
