@@ -36,7 +36,7 @@ Radiance shown(const Radiance& c, Display display) {
 
 void show(std::span<Colour> pixels, Display display, double exposure) {
   check_enumerator("display", display);
-  check_range({"exposure", 0, 1e30}, exposure);
+  check_range({"exposure", 0, limits::gain.most}, exposure);
   for (Colour& c : pixels) c = Colour(glm::clamp(shown(exposure * Radiance(c), display), 0.0, 1.0));
 }
 
