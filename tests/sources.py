@@ -34,6 +34,15 @@ for path in sorted(p for p in (root / 'src').rglob('*') if p.suffix in ('.h', '.
         if '<tbb/' in line and name not in MAY_INCLUDE_TBB:
             broken.append(f'{name}:{number}: TBB takes long to compile: see base/parallel.h')
 
+# What callers may cast from any number is checked by number_of(), which must know how many there are.
+RESULTS_ALONE = {'Curve', 'Orientation'}  # No function takes one.
+for path in sorted((root / 'src/envmap').rglob('*.h')):
+    text = without_comments(path.read_text())
+    if 'namespace ENVMAP_EXPORT envmap' in text:
+        broken += [f'{path.relative_to(root)}: enumerators<{name}> is missing: see base/enumerators.h'
+                   for name in re.findall(r'^enum class (\w+)', text, re.M)
+                   if name not in RESULTS_ALONE and f'enumerators<{name}> =' not in text]
+
 # NVIDIA's compiler finds clamp(x, 0.5, 1) ambiguous: of floats or of doubles. Mesa's does not mind.
 MIXED = re.compile(r'\bclamp\(.*, *(?:-?\d*\.\d+|-?\d+e-?\d+), *-?\d+\)|\bclamp\(.*, *-?\d+, *(?:-?\d*\.\d+|-?\d+e-?\d+)\)')
 for path in sorted((root / 'src').rglob('*.glsl')):

@@ -31,10 +31,14 @@ py::array view(const Map& map, Level& level) {
 
 Projection projection_of_array(const Array& a, const std::optional<std::string>& projection) {
   const bool image = a.ndim() == 3 && a.shape(2) == 3, several = a.ndim() == 4 && a.shape(3) == 3;
+  if (const auto n = a.ndim(); (n == 3 || n == 4) && a.shape(n - 1) == 4)
+    throw UsageError("an array is (height, width, 3), without alpha: array[..., :3] leaves it out");
   if ((!image && !several) || a.size() == 0)
     throw UsageError("an array is (height, width, 3), of a cube (6, N, N, 3), of a paraboloid map (2, N, N, 3)");
   if (projection) return projection_of(*projection);
-  if (several) return a.shape(0) == 2 ? Projection::paraboloid : Projection::cube;
+  if (several && a.shape(0) == 2)
+    throw UsageError("an array (2, N, N, 3) may be a paraboloid map or two images", Remedy::choose_projection);
+  if (several) return Projection::cube;
   if (a.shape(1) == 2 * a.shape(0)) return Projection::latlong;
   throw UsageError("an array that is not twice as wide as high may be of several projections",
                    Remedy::choose_projection);
@@ -63,28 +67,57 @@ EnvironmentMap map_of_array(const Array& a, const std::optional<std::string>& pr
   return map;
 }
 
-Array array_of(const py::object& given) {
-  if (!given.is_none())  // numpy makes NaN of it.
-    if (Array a = Array::ensure(given)) return a;
+std::string type_name(const py::handle& given) { return py::cast<std::string>(py::type::of(given).attr("__name__")); }
+
+// Radiance is floating point. Integers are pixels of pictures, encoded by a curve and of any white.
+void check_numbers(const py::array& a) {
+  switch (a.dtype().kind()) {
+    case 'f': return;
+    case 'i':
+    case 'u':
+      throw UsageError("an array of " + py::cast<std::string>(py::str(a.dtype())) +
+                       " is no radiance: decode it to linear floats; .astype('float32') where it is linear");
+    default:
+      throw UsageError("an array of " + py::cast<std::string>(py::str(a.dtype())) + " is no radiance: floats are");
+  }
+}
+
+void check_unmasked(const py::object& given) {
+  if (py::hasattr(given, "filled") && py::hasattr(given, "mask") && py::cast<bool>(given.attr("mask").attr("any")()))
+    throw UsageError("a masked array has values that are none: .filled(0) or another value replaces them");
+}
+
+// What numpy makes of an object, or nothing. Of None it would make NaN.
+std::optional<py::array> array_from(const py::object& given) {
+  if (given.is_none()) return std::nullopt;
+  py::array a = py::array::ensure(given);
+  if (a && a.dtype().kind() == 'O') a = py::array::ensure(a.attr("tolist")());  // Objects are numbers, or not.
   PyErr_Clear();
-  throw UsageError("a map is an envmap.Map or an array of numbers, not " +
-                   py::cast<std::string>(py::type::of(given).attr("__name__")));
+  if (!a || a.ndim() == 0 || a.dtype().kind() == 'O') return std::nullopt;
+  return a;
 }
 
-// A chain that was read may round up, as its writer did.
-bool halves(int finer, int coarser) { return coarser == std::max(1, finer / 2) || coarser == (finer + 1) / 2; }
-
-void check_halved(const Level& finer, const Level& coarser) {
-  if (halves(finer.width(), coarser.width()) && halves(finer.height(), coarser.height())) return;
-  const auto size = [](const Level& l) { return std::to_string(l.width()) + "x" + std::to_string(l.height()); };
-  throw UsageError("a level of " + size(coarser) + " follows one of " + size(finer) + ": each level is half as large");
+Array array_of(const py::object& given) {
+  const std::optional<py::array> a = array_from(given);
+  if (!a)
+    throw UsageError("a map is an envmap.Map or an array of numbers, not " + type_name(given) +
+                     (py::hasattr(given, "map") ? ": take its .map" : ""));
+  check_unmasked(given);
+  if (a->size() > 0) check_numbers(*a);
+  return Array::ensure(*a);
 }
 
-// Of one array, or of those of all levels, the largest first.
-Map make_map(const py::object& array, const std::optional<std::string>& projection, const std::string& forward,
-             const py::object& levels) {
-  if (array.is_none() == levels.is_none()) throw UsageError("name an array or levels=, and not both");
-  if (levels.is_none()) return map_of_object(array, projection, forward);
+// @param forward None: the map's own.
+Map copy_of(const EnvironmentMap& map, const std::optional<std::string>& projection,
+            const std::optional<std::string>& forward) {
+  if (projection && projection_of(*projection) != map.projection())
+    throw UsageError("a Map has its projection: convert() makes one in another");
+  EnvironmentMap copy = map.clone();
+  if (forward) copy.forward = Frame(map.projection(), forward_of(*forward)).forward;
+  return shared(std::move(copy));
+}
+
+Map map_of_levels(const py::object& levels, const std::optional<std::string>& projection, const std::string& forward) {
   if (!py::isinstance<py::sequence>(levels) || py::len(levels) == 0)
     throw UsageError("levels= is a list of arrays, the largest first");
   EnvironmentMap map;
@@ -96,9 +129,19 @@ Map make_map(const py::object& array, const std::optional<std::string>& projecti
       map.levels.push_back(level_of_array(a, map.projection()));
     else
       throw UsageError("all levels have the shape of the first, but for their size");
-    if (map.levels.size() > 1) check_halved(map.levels.end()[-2], map.levels.back());
   }
   return shared(std::move(map));
+}
+
+// A copy of a map, or a map of one array, or of those of all levels, the largest first.
+Map make_map(const py::object& array, const std::optional<std::string>& projection,
+             const std::optional<std::string>& forward, const py::object& levels) {
+  if (array.is_none() == levels.is_none()) throw UsageError("name an array or levels=, and not both");
+  if (py::isinstance<EnvironmentMap>(array)) return copy_of(*py::cast<Map>(array), projection, forward);
+  if (levels.is_none()) return map_of_object(array, projection, forward.value_or("+z"));
+  Map map = map_of_levels(levels, projection, forward.value_or("+z"));
+  check_levels(*map);
+  return map;
 }
 
 py::tuple state_of(const Map& map) {
@@ -108,8 +151,9 @@ py::tuple state_of(const Map& map) {
                         std::string(forward_names[std::size_t(map->forward)]));
 }
 
+// A chain that was read may round up, as its writer did.
 Map of_state(const py::tuple& state) {
-  return make_map(py::none(), state[1].cast<std::string>(), state[2].cast<std::string>(), state[0]);
+  return map_of_levels(state[0], state[1].cast<std::string>(), state[2].cast<std::string>());
 }
 
 py::list views(const Map& map) {
@@ -127,13 +171,15 @@ Map map_of_object(const py::object& array, const std::optional<std::string>& pro
 void add_map(py::module_& m) {
   py::class_<EnvironmentMap, Map>(
       m, "Map",
-      document("Map", "array=None, projection=None, forward='+z', *, levels=None",
+      document("Map", "array=None, projection=None, forward=None, *, levels=None",
                "An environment map: linear RGB radiance, float32, by face and mip level.\n\n"
                "An array is copied: (height, width, 3), of a cube (6, N, N, 3), of a paraboloid map (2, N, N, 3). An "
                "array twice as wide as "
-               "high is a latlong map by default. levels= takes the arrays of a whole mip chain, the largest first."))
-      .def(py::init(&make_map), "array"_a = py::none(), "projection"_a = py::none(), "forward"_a = "+z", py::kw_only(),
-           "levels"_a = py::none())
+               "high is a latlong map by default; a paraboloid map is named by projection=. Values are floats. Another "
+               "Map is copied with its levels and its forward axis, which is '+z' of arrays. levels= takes the arrays "
+               "of a whole mip chain, the largest first."))
+      .def(py::init(&make_map), "array"_a = py::none(), "projection"_a = py::none(), "forward"_a = py::none(),
+           py::kw_only(), "levels"_a = py::none())
       .def(py::pickle(&state_of, &of_state))
       .def_property_readonly(
           "array", [](const Map& map) { return view(map, map->base()); },

@@ -4,6 +4,8 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
+#include <span>
+
 #include "words.h"
 
 namespace envmap_python {
@@ -22,6 +24,21 @@ std::filesystem::path path_of(const py::object& file) {
   }
 }
 
+// Where the bytes are no image, but the name of a file that is there.
+bool is_name(std::span<const std::byte> bytes) {
+  std::error_code error;
+  const std::string name(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  return !name.empty() && name.size() < 4096 && name.find('\0') == name.npos && std::filesystem::exists(name, error);
+}
+
+Map read_bytes(std::span<const std::byte> bytes, const ReadOptions& o) try {
+  const py::gil_scoped_release others;
+  return shared(std::move(read(bytes, o).map));
+} catch (const InputError& e) {
+  if (!is_name(bytes)) throw;
+  throw UsageError("bytes are the contents of a file; these name one: os.fsdecode() makes a name of them");
+}
+
 Map read_file(const py::object& file, const std::optional<std::string>& projection,
               const std::optional<std::string>& layout, const std::string& faces,
               const std::optional<std::string>& forward, int level, bool all_levels, bool repair, bool drop_channels,
@@ -38,8 +55,7 @@ Map read_file(const py::object& file, const std::optional<std::string>& projecti
   if (PyObject_CheckBuffer(file.ptr())) {
     const py::buffer_info bytes = py::reinterpret_borrow<py::buffer>(file).request();
     if (bytes.ndim != 1 || bytes.itemsize != 1 || bytes.strides[0] != 1) throw UsageError("a file in memory is bytes");
-    const py::gil_scoped_release others;
-    return shared(std::move(read({static_cast<const std::byte*>(bytes.ptr), std::size_t(bytes.size)}, o).map));
+    return read_bytes({static_cast<const std::byte*>(bytes.ptr), std::size_t(bytes.size)}, o);
   }
   const std::string path = path_of(file).string();
   const py::gil_scoped_release others;

@@ -40,10 +40,14 @@ Rgb<double> take(py::kwargs& given, const char* name, const Rgb<double>& otherwi
 }
 
 Direction direction(py::kwargs& k, const Direction& otherwise) {
-  const Triple to = take(k, "direction", triple(otherwise));
-  const Direction d(to[0], to[1], to[2]);
-  if (!(glm::length(d) > 0)) throw UsageError("a direction has a length");
-  return glm::normalize(d);
+  return glm::normalize(direction_of("direction", take(k, "direction", triple(otherwise))));
+}
+
+// The radius of a sun, in degrees.
+double radius(py::kwargs& k, double otherwise, const Bounds& range) {
+  const double degrees = take(k, "radius", otherwise);
+  check_range({"radius", range.least, range.most}, degrees);
+  return degrees;
 }
 
 Sky sky_of(py::kwargs& k) {
@@ -66,14 +70,14 @@ Pattern pattern(const std::string& kind, py::kwargs& k) {
     throw UsageError("kind '" + kind +
                      "' is none of constant, gradient, checker, directions, faces, sun, sky, sh, atmosphere");
   const Direction towards = direction(k, Direction(0, 0, 1));
-  return Sun{towards, take(k, "radius", 0.2666), take(k, "radiance", Rgb<double>(1e5)), sky_of(k)};
+  return Sun{towards, radius(k, 0.2666, limits::disc_radius), take(k, "radiance", Rgb<double>(1e5)), sky_of(k)};
 }
 
 Atmosphere atmosphere(py::kwargs& k) {
   Atmosphere a;
   a.sun = direction(k, a.sun);
   a.turbidity = take(k, "turbidity", a.turbidity), a.altitude = take(k, "altitude", a.altitude);
-  a.ground = take(k, "ground", a.ground), a.radius_degrees = take(k, "radius", a.radius_degrees);
+  a.ground = take(k, "ground", a.ground), a.radius_degrees = radius(k, a.radius_degrees, limits::sun_radius);
   a.disc = take(k, "disc", a.disc);
   const std::string scattering = take(k, "scattering", std::string("multiple"));
   if (scattering != "single" && scattering != "multiple") throw UsageError("scattering is 'single' or 'multiple'");

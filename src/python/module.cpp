@@ -13,7 +13,7 @@ using namespace envmap;
 
 void limit_threads(int count) {
   static std::optional<tbb::global_control> limit;
-  check(limits::threads, count);
+  check_range(limits::threads, count);
   limit.reset();
   if (count > 0) limit.emplace(tbb::global_control::max_allowed_parallelism, std::size_t(count));
 }
@@ -22,7 +22,7 @@ void limit_threads(int count) {
 
 PYBIND11_MODULE(_envmap, m) {
   add_errors(m);
-  m.attr("__version__") = ENVMAP_VERSION;
+  m.attr("__version__") = ENVMAP_VERSION_TEXT;
   py::options options;
   options.disable_function_signatures();  // document() has those that Python can read.
   add_map(m);

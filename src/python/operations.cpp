@@ -67,9 +67,33 @@ py::array_t<double> sh(const GivenMap& given, int order, bool irradiance, const 
   return out;
 }
 
-Difference compare_maps(const GivenMap& a, const GivenMap& b) {
+MapDifference compare_maps(const GivenMap& a, const GivenMap& b) {
   const py::gil_scoped_release others;
   return compare(*a.map, *b.map);
+}
+
+// As a map of one level has it.
+MapDifference one_level(const Difference& d, int level) {
+  MapDifference all{};
+  static_cast<Difference&>(all) = d;
+  all.worst_level = level;
+  return all;
+}
+
+py::list levels_of(const MapDifference& d) {
+  py::list all;
+  for (std::size_t k = 0; k < d.levels.size(); ++k) all.append(one_level(d.levels[k], int(k)));
+  return all;
+}
+
+std::string shown(const MapDifference& d) {
+  const auto number = [](double x) { return py::cast<std::string>(py::str("{:.3g}").format(x)); };
+  std::string line = "<envmap.Difference flux " + number(d.flux.x) + " " + number(d.flux.y) + " " + number(d.flux.z) +
+                     ", rms " + number(d.rms) + ", max " + number(d.maximum);
+  line += " at face " + std::to_string(d.worst.face) + ", row " + std::to_string(d.worst.j) + ", column " +
+          std::to_string(d.worst.i);
+  if (d.levels.size() > 1) line += " of level " + std::to_string(d.worst_level);
+  return line + ">";
 }
 
 py::array_t<float> table_of(const std::string& lobe, int size, const py::object& progress) {
@@ -82,7 +106,7 @@ py::array_t<float> table_of(const std::string& lobe, int size, const py::object&
 
 py::array_t<double> solid_angles_of(const std::string& projection, int size) {
   const Projection p = projection_of(projection);
-  check(limits::size, size);
+  check_range(limits::size, size);
   const py::ssize_t width = py::ssize_t{size} * aspect(p);
   py::array_t<double> out({py::ssize_t{size}, width});
   for (int j = 0; j < size; ++j) solid_angles(p, size, j, {out.mutable_data(j, 0), std::size_t(width)});
@@ -92,11 +116,21 @@ py::array_t<double> solid_angles_of(const std::string& projection, int size) {
 }  // namespace
 
 void add_operations(py::module_& m) {
-  py::class_<Difference>(m, "Difference", "Of a map against a reference; solid-angle weighted.")
+  py::class_<MapDifference>(m, "Difference",
+                            "Of a map against a reference; solid-angle weighted. Of several levels the largest "
+                            "figures: a limit that they keep is kept by every level.")
       .def_property_readonly(
-          "flux", [](const Difference& d) { return triple(d.flux); }, "(flux a - flux b) / flux b by channel.")
-      .def_readonly("rms", &Difference::rms, "sqrt(sum w |a-b|^2 / sum w |b|^2).")
-      .def_readonly("max", &Difference::maximum, "Largest |a-b| / max(|b|, 0.001 x mean of b).");
+          "flux", [](const MapDifference& d) { return triple(d.flux); }, "(flux a - flux b) / flux b by channel.")
+      .def_property_readonly(
+          "rms", [](const MapDifference& d) { return d.rms; }, "sqrt(sum w |a-b|^2 / sum w |b|^2).")
+      .def_property_readonly(
+          "max", [](const MapDifference& d) { return d.maximum; }, "Largest |a-b| / max(|b|, 0.001 x mean of b).")
+      .def_property_readonly(
+          "worst", [](const MapDifference& d) { return py::make_tuple(d.worst.face, d.worst.j, d.worst.i); },
+          "Face, row and column of the texel of max.")
+      .def_readonly("worst_level", &MapDifference::worst_level, "The level of this texel.")
+      .def_property_readonly("levels", &levels_of, "A Difference for each level, the largest level first.")
+      .def("__repr__", &shown);
 
   m.def("convert", &convert_map, "map"_a, "to"_a = py::none(), py::kw_only(), "size"_a = py::none(),
         "filter"_a = py::none(), "samples"_a = 1, "max_error"_a = py::none(), "rotate"_a = Triple{0, 0, 0},
@@ -124,7 +158,8 @@ void add_operations(py::module_& m) {
                "Coefficients of real spherical harmonics, an array ((order + 1)^2, 3), at l (l + 1) + m. window='auto' "
                "is the weakest that keeps irradiance above 0; 'hann' is the other."));
   m.def("compare", &compare_maps, "a"_a, "b"_a,
-        document("compare", "a, b", "Level 0 of map a against that of the reference b."));
+        document("compare", "a, b",
+                 "Map a against the reference b, level by level. Both have the same size, axis and number of levels."));
   m.def("brdf_table", &table_of, "lobe"_a = "ggx", "size"_a = 128, py::kw_only(), "progress"_a = py::none(),
         document(
             "brdf_table", "lobe='ggx', size=128, *, progress=None",

@@ -33,9 +33,10 @@ std::vector<double> parameters(Shape shape, const std::string& lobe, const Param
   if ((exponent && !has_exponent) || (roughness && (has_exponent || shape == Shape::diffuse)))
     throw UsageError(lobe + (exponent ? " has no exponent" : " has no roughness"));
   if (!given) return {unset_parameter};
-  if (const double* one = std::get_if<double>(&*given)) return {*one};
-  const auto& all = std::get<std::vector<double>>(*given);
+  const double* const one = std::get_if<double>(&*given);
+  const std::vector<double> all = one ? std::vector{*one} : std::get<std::vector<double>>(*given);
   if (all.empty()) throw UsageError("a chain has a level or more");
+  for (const double value : all) check_range(has_exponent ? limits::exponent : limits::roughness, value);
   return all;
 }
 

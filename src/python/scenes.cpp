@@ -32,6 +32,7 @@ void look_towards(const Place& forward, RenderOptions& o) {
   const auto* const word = std::get_if<std::string>(&forward);
   const auto axis = word ? forward_named(*word) : std::nullopt;
   if (!axis) {
+    if (const auto* const along = std::get_if<Triple>(&forward)) (void)direction_of("forward", *along);
     o.towards = place_of(forward);
     return;
   }

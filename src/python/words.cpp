@@ -51,38 +51,6 @@ const char* advice(Remedy remedy) {
   return "";
 }
 
-// In the order of the enumerators.
-constexpr const char* code_names[] = {"usage", "input", "output", "renderer", "accuracy"};
-static_assert(std::size(code_names) == std::size_t(ErrorCode::accuracy) + 1);
-constexpr const char* remedy_names[] = {"none",
-                                        "choose_projection",
-                                        "leave_out_from_layout",
-                                        "leave_out_layout",
-                                        "leave_out_face",
-                                        "drop_channels",
-                                        "repair",
-                                        "limit_memory",
-                                        "allow_pixels",
-                                        "choose_format",
-                                        "choose_plus_z",
-                                        "clamp_or_deepen",
-                                        "clamp_or_darken",
-                                        "clamp_or_dim",
-                                        "clamp_or_brighten",
-                                        "clamp_or_light_up",
-                                        "choose_space",
-                                        "choose_linear",
-                                        "choose_layer",
-                                        "leave_out_shadows",
-                                        "force",
-                                        "find_circle",
-                                        "choose_faces",
-                                        "make_levels",
-                                        "make_cube",
-                                        "take_base",
-                                        "make_all_levels"};
-static_assert(std::size(remedy_names) == std::size_t(Remedy::make_all_levels) + 1);
-
 // The number of the system's error that a message ends in, or None.
 py::object errno_of(const std::string& message) {
   if (message.find("no such file") != std::string::npos) return py::int_(ENOENT);
@@ -97,8 +65,8 @@ void raise(const Error& e, PyObject* kind) {
   std::string line = e.what() + std::string(advice(e.remedy()));
   std::replace(line.begin(), line.end(), '\n', ' ');
   const py::object raised = py::reinterpret_borrow<py::object>(kind)(line);
-  raised.attr("code") = code_names[std::size_t(e.code())];
-  raised.attr("remedy") = remedy_names[std::size_t(e.remedy())];
+  raised.attr("code") = std::string(name(e.code()));
+  raised.attr("remedy") = std::string(name(e.remedy()));
   const py::object file = e.file().empty() ? py::object(py::none()) : py::str(e.file());
   raised.attr("file") = file;
   const auto* const usage = dynamic_cast<const UsageError*>(&e);
@@ -132,12 +100,15 @@ Weights weights_of(const std::string& word) { return named<Weights>("weights", w
 
 void add_errors(py::module_& module) {
   using namespace py::literals;
-  static PyObject* kinds[std::size(code_names)];
+  static PyObject* kinds[enumerators<ErrorCode>];
   static py::exception<Error> error(module, "Error", PyExc_RuntimeError);
   const auto add = [&](ErrorCode code, const char* name, PyObject* builtin) {
     const py::tuple bases = py::make_tuple(error, py::reinterpret_borrow<py::object>(builtin));
     // OSError would write errno and the file's name once more.
-    const py::dict members("__str__"_a = py::eval("lambda self: self.args[0] if self.args else ''"));
+    py::dict members("__str__"_a = py::eval("lambda self: self.args[0] if self.args else ''"));
+    if (builtin == PyExc_OSError)  // Which keeps these two beside the others, where pickle does not look.
+      members["__reduce__"] =
+          py::eval("lambda self: (type(self), self.args, dict(vars(self), errno=self.errno, filename=self.filename))");
     PyObject* const kind = PyErr_NewException((std::string("envmap.") + name).c_str(), bases.ptr(), members.ptr());
     module.add_object(name, py::handle(kind));
     kinds[std::size_t(code)] = kind;

@@ -32,6 +32,14 @@ inline Map shared(envmap::EnvironmentMap&& map) { return std::make_shared<envmap
 inline envmap::Rgb<double> rgb(const Triple& t) { return {t[0], t[1], t[2]}; }
 inline Triple triple(const envmap::Rgb<double>& c) { return {c.x, c.y, c.z}; }
 
+/// @throws UsageError with the parameter where it is no direction.
+inline envmap::Direction direction_of(const std::string& parameter, const Triple& t) {
+  const envmap::Direction d(t[0], t[1], t[2]);
+  if (envmap::unit(d) == envmap::Direction(0))
+    throw envmap::UsageError(parameter + " must be a finite direction other than (0, 0, 0)");
+  return d;
+}
+
 /// A docstring whose first line inspect.signature() reads.
 const char* document(const char* name, const char* parameters, const char* text);
 

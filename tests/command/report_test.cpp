@@ -266,6 +266,60 @@ TEST_F(Compare, WritesTheDifference) {
   EXPECT_EQ(load(path("d.exr")), expected);
 }
 
+// Level 0 of both is a.exr; plain means give other further levels.
+TEST_F(Compare, LooksAtEveryLevel) {
+  succeeds({"mipmap", "a.exr", "chain.exr", "--depth", "float"});
+  succeeds({"mipmap", "a.exr", "plain.exr", "--depth", "float", "--weights", "uniform"});
+  const Result r = envmap({"compare", "plain.exr", "chain.exr", "--max-error", "1e-6", "--json"});
+  EXPECT_EQ(r.status, 1);
+  const json j = json::parse(r.out);
+  EXPECT_EQ(j["max"], 0);
+  ASSERT_EQ(j["levels"].size(), 3U);
+  EXPECT_NE(envmap({"compare", "plain.exr", "chain.exr"}).out.find("\nlevel 0 is identical\n"), std::string::npos);
+  EXPECT_NE(envmap({"compare", "chain.exr", "chain.exr"}).out.find("\nidentical\n"), std::string::npos);
+  EXPECT_GT(j["levels"][0]["max"].get<double>(), 1e-3);
+  EXPECT_EQ(j["broken"][0]["level"], 1);
+  EXPECT_EQ(j["broken"][0]["value"], j["levels"][0]["max"]);
+  succeeds({"compare", "plain.exr", "chain.exr", "--max-error", "1e-6", "--level", "0"});
+  // Levels of A alone have no texels to be held against.
+  const Result longer = envmap({"compare", "chain.exr", "a.exr", "--max-error", "1"});
+  EXPECT_EQ(longer.status, 1);
+  EXPECT_NE(longer.err.find("chain.exr has 4 levels, a.exr has 1: use --level 0 to compare one level, or --max-flux "
+                            "alone\n"),
+            std::string::npos)
+      << longer.err;
+  const Result more = envmap({"compare", "chain.exr", "a.exr"});
+  EXPECT_EQ(more.status, 0);
+  EXPECT_NE(more.err.find("chain.exr has 3 more levels, compared by flux alone"), std::string::npos) << more.err;
+}
+
+TEST_F(Compare, ResamplesEveryLevel) {
+  for (const auto& [to, size] : {std::pair("latlong", "64"), std::pair("cube", "32")}) {
+    succeeds({"generate", "gradient", "base.exr", "-q", "--to", to, "--size", size});
+    succeeds({"mipmap", "base.exr", std::string(to) + ".exr", "--depth", "float"});
+  }
+  const json j = report(envmap({"compare", "latlong.exr", "cube.exr", "--json"}));
+  EXPECT_EQ(j["resampled"], true);
+  ASSERT_EQ(j["levels"].size(), 7U);  // Those of the panorama; the cube lacks the last two.
+  for (std::size_t k = 0; k < 5; ++k) EXPECT_LT(j["levels"][k]["rms"].get<double>(), 0.2) << k;
+  EXPECT_TRUE(j["levels"][5]["rms"].is_null());
+  EXPECT_EQ(envmap({"compare", "cube.exr", "cube.exr", "--max-error", "0"}).status, 0);
+}
+
+TEST_F(Compare, WritesTheDifferenceOfEveryLevel) {
+  succeeds({"mipmap", "a.exr", "chain.exr", "--depth", "float"});
+  succeeds({"mipmap", "a.exr", "plain.exr", "--depth", "float", "--weights", "uniform"});
+  const json j = report(envmap({"compare", "plain.exr", "chain.exr", "--json", "--difference", "d.exr"}));
+  EXPECT_EQ(report(envmap({"info", "d.exr", "--json"}))["levels"], 4);
+  EXPECT_EQ(report(envmap({"info", "d.exr", "--json"}))["maximum"], (json{0, 0, 0}));
+  EXPECT_GT(report(envmap({"info", "d.exr", "--level", "1", "--json"}))["maximum"][1].get<double>(), 1e-4);
+  succeeds({"compare", "plain.exr", "chain.exr", "--difference", "d{level}.hdr"});
+  EXPECT_FALSE(read("d3.hdr").empty());
+  const Result one = envmap({"compare", "plain.exr", "chain.exr", "--difference", "d.hdr"});
+  EXPECT_EQ(one.status, 0);
+  EXPECT_NE(one.err.find("d.hdr holds level 0 alone"), std::string::npos) << one.err;
+}
+
 TEST_F(Compare, ResamplesTheFirstToTheSecond) {
   succeeds({"generate", "gradient", "cube.exr", "--to", "cube", "--size", "32"});
   succeeds({"generate", "gradient", "latlong.exr", "--size", "16"});

@@ -36,7 +36,7 @@ run('cmake', '--install', build, '--prefix', tree)
 # What is there, and nothing of the machinery below.
 library = next(tree.glob('lib*/**/libenvmap.so')).parent
 for path in ('bin/envmap', 'share/man/man1/envmap-convert.1', 'share/man/man3/envmap.3',
-             'share/bash-completion/completions/envmap', 'share/zsh/site-functions/_envmap',
+             'share/doc/envmap/library.md', 'share/bash-completion/completions/envmap', 'share/zsh/site-functions/_envmap',
              'share/fish/vendor_completions.d/envmap.fish'):
     demand((tree / path).exists(), f'{path} is not installed')
 demand(os.readlink(library / 'libenvmap.so.1.0') == 'libenvmap.so.1.0.0', 'libenvmap.so.1.0 is no link to its version')
@@ -62,7 +62,7 @@ example = re.search(r'^\.EX\n(.*?)^\.EE$', page, re.S | re.M)[1].replace('\\e', 
 (work / 'example.cpp').write_text(example)
 # Those of docs/library.md, each the body of a function of one program.
 bodies = re.findall(r'^```cpp\n(.*?)^```$', (source / 'docs/library.md').read_text(), re.S | re.M)
-demand(len(bodies) == 10, f'docs/library.md has {len(bodies)} examples')
+demand(len(bodies) == 11, f'docs/library.md has {len(bodies)} examples')
 includes = ('envmap/scenes.h', 'algorithm', 'filesystem', 'stop_token', 'string', 'thread', 'type_traits', 'vector')
 (work / 'pages.cpp').write_text(
     ''.join(f'#include <{name}>\n' for name in includes) + 'using namespace envmap;\n' +

@@ -127,7 +127,7 @@ TEST(Lobes, WhiteStaysWhiteAtEveryWidth) {
                                            {Shape::ggx, 1e-3},
                                            {Shape::ggx, 0.5},
                                            {Shape::ggx, 1.0},
-                                           {Shape::diffuse, 0.0}}) {
+                                           {Shape::diffuse, unset_parameter}}) {
       const Prefiltered made =
           source.make({.shape = shape, .parameter = parameter, .size = 2, .method = Method::exact});
       const auto [least, most] = extremes::range(made.map.base());

@@ -4,8 +4,12 @@
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
 #include <limits>
+#include <string>
 #include <utility>
 
+#include "envmap/base/error.h"
+#include "envmap/offscreen/render_map.h"
+#include "envmap/offscreen/view.h"
 #include "envmap/render/context.h"
 #include "envmap/render/raycast.h"
 #include "envmap/render/renderer.h"
@@ -93,6 +97,42 @@ TEST(SceneSuns, OfTheLargestFloat) {
       }
     }
   }
+}
+
+// Before the scene is read, which is not there. @param call with a value that is none of the type.
+template <class Enum, class Call>
+void refuse_others(const std::string& field, const Call& call) {
+  for (const int number : {99, -1, int(enumerators<Enum>)}) try {
+      call(static_cast<Enum>(number));
+      ADD_FAILURE() << field << " " << number;
+    } catch (const UsageError& e) {
+      EXPECT_NE(std::string(e.what()).find(field + " must be an enumerator"), std::string::npos) << e.what();
+    }
+}
+
+TEST(SceneCalls, RefuseNumbersThatAreNoEnumerators) {
+  const auto draws = [](const RenderOptions& o) { (void)render("none.obj", o); };
+  const auto sees = [](const ViewOptions& o) { (void)view("none.obj", o); };
+  refuse_others<DrawMethod>("method", [&](DrawMethod m) { draws({.method = m}); });
+  refuse_others<ContextKind>("context", [&](ContextKind c) { draws({.context = c}); });
+  refuse_others<Projection>("projection", [&](Projection p) { draws({.to = p}); });
+  refuse_others<ViewMethod>("method", [&](ViewMethod m) { sees({.method = m}); });
+  refuse_others<Reflection>("reflection", [&](Reflection r) { sees({.reflection = r}); });
+  refuse_others<MirrorLookup>("lookup", [&](MirrorLookup l) { sees({.lookup = l}); });
+  refuse_others<ContextKind>("context", [&](ContextKind c) { sees({.context = c}); });
+  refuse_others<DrawMethod>("method", [](DrawMethod m) { (void)can_draw(m, Projection::cube); });
+  EXPECT_THROW(sees({.maps = static_cast<Projection>(99)}), UsageError);
+  EXPECT_THROW(draws({.towards = Direction(0)}), UsageError);
+}
+
+TEST(SceneCalls, NameTheFileAtFault) {
+  for (const char* scene : {"none.obj", "none.glb"}) try {
+      (void)render(scene);
+      ADD_FAILURE() << scene;
+    } catch (const InputError& e) {
+      EXPECT_EQ(e.file(), scene);
+      EXPECT_EQ(std::string(e.what()).find(scene), 0U) << e.what();
+    }
 }
 
 }  // namespace

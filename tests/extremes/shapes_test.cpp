@@ -35,8 +35,9 @@ TEST(Sizes, OneTexelAFace) {
             EXPECT_NEAR(made.base().texel(t.face, t.i, t.j)->y, 0.7, 0.7 * 16 * half_ulp)
                 << name(to) << ", " << filter.name;
         }
-    for (const Shape shape : {Shape::diffuse, Shape::phong, Shape::ggx}) {
-      const Prefiltered made = PrefilterSource(map).make({.shape = shape, .parameter = 1, .size = 1});
+    for (const auto& [shape, parameter] :
+         {std::pair(Shape::diffuse, unset_parameter), {Shape::phong, 1.0}, {Shape::ggx, 1.0}}) {
+      const Prefiltered made = PrefilterSource(map).make({.shape = shape, .parameter = parameter, .size = 1});
       for (const Texel& t : texels_of(made.map.base()))
         EXPECT_NEAR(made.map.base().texel(t.face, t.i, t.j)->y, 0.7, 1e-3 * 0.7);
     }

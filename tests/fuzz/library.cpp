@@ -44,12 +44,13 @@ class Values {
   std::optional<T> maybe(T value) {
     return byte() < 64 ? std::optional<T>(value) : std::nullopt;
   }
-  // One of the enumerators up to `last`.
+  // One of the enumerators up to `last`, and rarely a number that is none.
   template <class Enum>
   Enum of(Enum last) {
-    return Enum(byte() % (unsigned(last) + 1));
+    const unsigned number = byte();
+    return Enum(number == 255 ? 99 : number % (unsigned(last) + 1));
   }
-  Projection projection() { return all_projections[byte() % std::size(all_projections)]; }
+  Projection projection() { return of(Projection::equal_area); }
   Direction direction() { return {number(), number(), number()}; }
   Rgb<double> rgb() { return {number(), number(), number()}; }
 
@@ -75,15 +76,17 @@ EnvironmentMap map_of(Values& v) {
 }
 
 Prefilter prefilter_of(Values& v) {
-  return {.shape = v.of(Shape::charlie),
-          .parameter = v.number(),
-          .scale = v.maybe(v.number()),
-          .to = v.projection(),
-          .size = v.integer(),
-          .forward = v.of(Forward::minus_x),
-          .method = v.of(Method::multilevel),
-          .rows = std::vector<char>(v.seldom() ? v.byte() : 0, 1),
-          .max_error = v.number()};
+  Prefilter p{.shape = v.of(Shape::charlie),
+              .parameter = v.number(),
+              .scale = v.maybe(v.number()),
+              .to = v.projection(),
+              .size = v.integer(),
+              .forward = v.of(Forward::minus_x),
+              .method = v.of(Method::multilevel),
+              .rows = std::vector<char>(v.seldom() ? v.byte() : 0, 1),
+              .max_error = v.number()};
+  if (p.shape == Shape::diffuse && v.flag()) p.parameter = unset_parameter;
+  return p;
 }
 
 ConvertOptions convert_of(Values& v) {

@@ -72,13 +72,12 @@ std::vector<Call> of_prefilter() {
                    },
                    "largest float, at a scale of 1e+30"});
   for (const Shape shape : {Shape::phong, Shape::blinn_phong})
-    add(calls, "prefilter", "exponent", std::vector<double>{-1, nan, inf, 2e9},
+    add(calls, "prefilter", "parameter", std::vector<double>{-1, inf, 2e9},
         [=](double v) { with({.shape = shape, .parameter = v, .size = 4}); });
   for (const Shape shape : {Shape::ggx, Shape::charlie}) {
-    add(calls, "prefilter", "roughness", std::vector<double>{-0.1, nan, inf, 2},
+    add(calls, "prefilter", "parameter", std::vector<double>{-0.1, inf, 2},
         [=](double v) { with({.shape = shape, .parameter = v, .size = 4}); });
-    calls.push_back({"prefilter without a parameter", [=] { with({.shape = shape, .size = 4}); }, "roughness must be",
-                     "roughness"});
+    calls.push_back({"prefilter without a parameter", [=] { with({.shape = shape, .size = 4}); }, "needs a parameter"});
   }
   for (const std::size_t length : {1, 23, 25})
     calls.push_back({"prefilter rows", [=] { with({.size = 4, .rows = std::vector<char>(length)}); }, "24 flags"});
@@ -155,9 +154,32 @@ std::vector<Call> of_the_rest() {
   add(calls, "photograph", "samples", std::vector{0, -1, 65},
       [](int v) { (void)photograph(sky().clone(), {.samples = v}); });
   add(calls, "photograph", "gain", bad_gains, [](double v) { (void)photograph(sky().clone(), {.gain = v}); });
-  for (const double field : {0.0, -1.0, nan, 7.0})
+  add(calls, "photograph", "field_radians", std::vector{0.0, -1.0, nan, pi, 7.0},
+      [](double v) { (void)photograph(sky().clone(), {.field_radians = v}); });
+  for (const double bad : {0.0, 1.0, 1e7, nan}) {
+    calls.push_back({"BallCamera", [=] { (void)BallCamera{bad}.blind_angle(); }, "distance must be", "distance"});
+    calls.push_back({"BallCamera",
+                     [=] {
+                       (void)BallCamera{bad}.seen_from_afar({0, 0, 1});
+                     },
+                     "distance must be", "distance"});
     calls.push_back(
-        {"photograph field", [=] { (void)photograph(sky().clone(), {.field_radians = field}); }, "degrees"});
+        {"convert ball", [=] { (void)convert(sky(), {.ball = BallCamera{bad}}); }, "distance must be", "distance"});
+  }
+  add(calls, "BallCamera", "degrees", std::vector{-1.0, nan, 181.0},
+      [](double v) { (void)BallCamera::of_field_of_view(v); });
+  add(calls, "black_body", "kelvin", std::vector{0.0, 999.0, nan, inf}, [](double v) { (void)black_body(v); });
+  add(calls, "white_balance", "kelvin", std::vector{0.0, nan}, [](double v) { (void)white_balance(v, rec709); });
+  add(calls, "checker", "squares", std::vector{0, -1}, [](int v) { (void)generate(Checker{v}, Projection::cube, 4); });
+  add(calls, "sun", "radius_degrees", std::vector{0.0, -1.0, nan, 181.0},
+      [](double v) { (void)generate(Sun{.radius_degrees = v}, Projection::cube, 4); });
+  add(calls, "harmonic", "degree", std::vector{-1, 101},
+      [](int v) { (void)generate(Harmonic{v}, Projection::cube, 4); });
+  add(calls, "harmonic", "order", std::vector{-3, 3}, [](int v) {
+    (void)generate(Harmonic{2, v}, Projection::cube, 4);
+  });
+  add(calls, "real_harmonic", "order", std::vector{-3, 3}, [](int v) { (void)real_harmonic(2, v, {0, 0, 1}); });
+  add(calls, "show", "exposure", std::vector{-1.0, nan, inf}, [](double v) { show({}, Display::clip, v); });
   add(calls, "brdf_table", "size", std::vector{0, -1, 1025}, [](int v) { (void)brdf_table(v); });
   add(calls, "sheen_table", "size", std::vector{0, -1, 1025}, [](int v) { (void)sheen_table(v); });
   add(calls, "brdf", "roughness", std::vector<double>{-1, nan, 2}, [](double v) { (void)brdf(std::vector{0.5}, v); });
@@ -215,7 +237,7 @@ std::vector<Call> of_engines() {
   calls.push_back({"make_chain rows",
                    [=] { chained({.shape = Shape::ggx, .size = 4, .rows = std::vector<char>(24)}, {0.5}); },
                    "rows must be empty"});
-  add(calls, "make_chain", "roughness", std::vector<double>{-1, nan, 2}, [=](double v) {
+  add(calls, "make_chain", "parameter", std::vector<double>{-1, 2}, [=](double v) {
     chained({.shape = Shape::ggx, .size = 4}, {0.5, v});
   });
   add(calls, "make_chain", "size", bad_sizes, [=](int v) { chained({.shape = Shape::ggx, .size = v}, {0.5}); });

@@ -9,8 +9,8 @@
 #include "envmap/maths/primaries.h"
 #include "envmap/maths/sum.h"
 #include "envmap/operate/air.h"
+#include "envmap/operate/lookup.h"
 #include "envmap/operate/measure.h"
-#include "envmap/sample/lookup.h"
 #include "numeric/floor.h"
 
 namespace envmap::atmosphere_test {

@@ -9,9 +9,9 @@
 #include "envmap/base/error.h"
 #include "envmap/operate/generate.h"
 #include "envmap/operate/grade.h"
+#include "envmap/operate/lookup.h"
 #include "envmap/operate/measure.h"
 #include "envmap/projection/visit.h"
-#include "envmap/sample/lookup.h"
 #include "formulae.h"
 
 namespace envmap::convert_test {

@@ -5,8 +5,8 @@
 
 #include "envmap/base/error.h"
 #include "envmap/operate/convert.h"
+#include "envmap/operate/lookup.h"
 #include "envmap/operate/measure.h"
-#include "envmap/sample/lookup.h"
 #include "formulae.h"
 #include "numeric/floor.h"
 

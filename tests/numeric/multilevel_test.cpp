@@ -320,7 +320,7 @@ TEST(Multilevel, AutoTakesPrefixSumsForFewTexels) {
 
 TEST(Multilevel, LobesThatHaveNoBound) {
   for (const Case& c :
-       {Case{Shape::charlie, 0.5}, Case{Shape::phong, 3}, Case{Shape::blinn_phong, 1}, Case{Shape::diffuse, 0}})
+       {Case{Shape::charlie, 0.5}, Case{Shape::phong, 3}, Case{Shape::blinn_phong, 1}, Case{Shape::diffuse, unset_parameter}})
     EXPECT_FALSE(multilevel_plan(lobe_of({.shape = c.shape, .parameter = c.parameter}), 1e-3)) << words(c);
   EXPECT_FALSE(multilevel_plan(Ggx(0.3), 9e-5));
 }

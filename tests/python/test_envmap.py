@@ -270,7 +270,7 @@ def test_render_says_what_is_wrong(tmp_path, scene):
                            ({'forward': '+x'}, 'latlong and angular'), ({'forward': 'camera'}, 'no camera'),
                            ({'near': 2, 'far': 1}, 'near'), ({'to': 'latlong', 'method': 'distort'}, 'cannot draw'),
                            ({'size': 0}, 'size'), ({'at': (0, float('nan'), 0)}, 'at must be finite'),
-                           ({'time': float('inf')}, 'time_seconds must be'), ({'at': (0, 0, 0), 'forward': (0, 0, 0)}, 'look')):
+                           ({'time': float('inf')}, 'time_seconds must be'), ({'at': (0, 0, 0), 'forward': (0, 0, 0)}, 'forward must be')):
         with pytest.raises(envmap.UsageError, match=words):
             envmap.render(scene, **{'size': 8, **options})
     text = json.loads(scene.read_text())

@@ -28,7 +28,8 @@ NAN = np.full((4, 8, 3), np.nan)
 @pytest.mark.parametrize('bad, words', [
     (NAN, 'NaN'), (np.zeros((10, 17, 3)), 'twice as wide'), (np.zeros((4, 8, 4)), '(height, width, 3)'), (np.zeros(3), 'height'),
     (np.zeros((0, 0, 3)), 'height'), ('abc', 'not str'), (b'abc' * 1000000, 'not bytes'), (None, 'not NoneType'), ({}, 'not dict'),
-    (-np.ones((4, 8, 3)), 'negative'), (np.zeros((5, 4, 4, 3)), 'shape'), (np.full((4, 8, 3), 'x'), 'not ndarray')])
+    (-np.ones((4, 8, 3)), 'negative'), (np.zeros((5, 4, 4, 3)), 'shape'), (np.full((4, 8, 3), 'x'), 'no radiance'), (np.zeros((6, 4, 4, 4)), 'array[..., :3]'),
+    (np.zeros((2, 4, 4, 3)), 'projection=')])
 def test_bad_arrays_are_one_line_everywhere(bad, words):
     good = np.ones((4, 8, 3))
     for call in (lambda: envmap.convert(bad, 'cube'), lambda: envmap.mipmap(bad), lambda: envmap.prefilter(bad), lambda: envmap.sh(bad),
@@ -75,6 +76,89 @@ def test_errors_have_fields(tmp_path):
     assert found.value.file is None
     again = pickle.loads(pickle.dumps(found.value))
     assert type(again) is envmap.InputError and str(again) == str(found.value)
+    for call in (lambda: envmap.read(tmp_path / 'none.exr'), lambda: envmap.render(tmp_path / 'none.glb'),
+                 lambda: envmap.view(tmp_path / 'none.obj'), lambda: envmap.write(tmp_path / 'none' / 'a.exr', np.ones((4, 8, 3)))):
+        with pytest.raises(OSError) as found:
+            call()
+        again = pickle.loads(pickle.dumps(found.value))
+        for field in ('code', 'file', 'filename', 'errno', 'remedy', 'field'):
+            assert getattr(again, field) == getattr(found.value, field), field
+        assert again.file and again.filename == again.file and str(again) == str(found.value)
+    with pytest.raises(OSError) as found:
+        envmap.render(tmp_path / 'none.glb')
+    assert (found.value.file, found.value.errno) == (str(tmp_path / 'none.glb'), errno.ENOENT)
+
+
+@pytest.mark.parametrize('kind', ['uint8', 'uint16', 'int64', 'bool', 'complex128', '<U3', '<M8[s]'])
+def test_only_floats_are_radiance(kind):
+    for given in (np.ones((4, 8, 3)).astype(kind), np.ones((4, 8, 3)).astype(kind).astype(object)):
+        if kind == '<M8[s]' and given.dtype == object:
+            continue
+        for call in (envmap.Map, envmap.mipmap, lambda a: envmap.Map(levels=[a])):
+            with pytest.raises(envmap.UsageError, match='no radiance'):
+                call(given)
+    with pytest.raises(envmap.UsageError, match=r"uint8 is no radiance: decode it to linear floats; .astype\('float32'\)"):
+        envmap.Map(np.ones((4, 8, 3), np.uint8))
+
+
+def test_floats_of_every_kind_are_radiance():
+    a = np.random.default_rng(1).uniform(0.5, 1, (4, 8, 3)).astype(np.float16)
+    for kind in ('f2', 'f4', 'f8', '>f4', 'longdouble', object):
+        np.testing.assert_array_equal(envmap.Map(a.astype(kind)).array, a.astype(np.float32))
+    np.testing.assert_array_equal(envmap.Map(np.ma.masked_less(a, 0)).array, a.astype(np.float32))
+    with pytest.raises(envmap.UsageError, match=r'masked array .*\.filled'):
+        envmap.Map(np.ma.masked_less(a, 0.75))
+
+
+def test_two_square_images_are_a_map_only_by_name():
+    pair = np.ones((2, 4, 4, 3))
+    with pytest.raises(envmap.UsageError, match='a paraboloid map or two images: say which by projection='):
+        envmap.Map(pair)
+    assert envmap.Map(pair, 'paraboloid').array.shape == (2, 4, 4, 3)
+
+
+def test_a_map_of_a_map_is_a_copy():
+    chain = envmap.mipmap(envmap.Map(np.random.default_rng(1).uniform(0.5, 1, (8, 16, 3)), forward='+x'))
+    again = envmap.Map(chain)
+    assert again.forward == '+x' and len(again.levels) == len(chain.levels) == 5
+    assert all(np.array_equal(a, b) for a, b in zip(again.levels, chain.levels))
+    assert not np.shares_memory(again.array, chain.array)
+    assert envmap.Map(chain, forward='-z').forward == '-z' and envmap.Map(chain, 'latlong').forward == '+x'
+    with pytest.raises(envmap.UsageError, match=r'convert\(\)'):
+        envmap.Map(chain, 'cube')
+    with pytest.raises(envmap.UsageError, match=r'not Prefiltered: take its .map'):
+        envmap.Map(envmap.prefilter(chain, size=4))
+
+
+def test_chains_have_one_rule(tmp_path):
+    level = lambda n: np.ones((6, n, n, 3))
+    for sizes, words in ((30 * [8], '8x8 has at most 4 levels, not 30'), ((16, 15), 'level 1 is 15x15, not 8x8'), ((1, 1), '1x1 has at most')):
+        with pytest.raises(envmap.UsageError, match=words):
+            envmap.Map(levels=[level(n) for n in sizes])
+    with pytest.raises(envmap.UsageError, match='8x8 has at most 4 levels, not 30'):
+        envmap.prefilter(cube(), 'ggx', roughness=30 * [0.5], size=8)
+
+
+def test_names_are_not_bytes(tmp_path):
+    envmap.write(tmp_path / 'a.exr', np.ones((4, 8, 3)))
+    with pytest.raises(envmap.UsageError, match=r'bytes are the contents of a file; these name one: os.fsdecode\(\)'):
+        envmap.read(os.fsencode(tmp_path / 'a.exr'))
+    with pytest.raises(envmap.InputError):
+        envmap.read(os.fsencode(tmp_path / 'none.exr'))
+
+
+def test_compare_looks_at_every_level():
+    a = envmap.mipmap(cube())
+    b = envmap.Map(a)
+    b.levels[1][4, 3, 2] *= 0.5
+    found = envmap.compare(a, b)
+    assert found.max == pytest.approx(1, rel=1e-6) and found.worst_level == 1 and found.worst == (4, 3, 2)
+    assert [level.max > 0 for level in found.levels] == [False, True, False, False] and found.levels[1].max == found.max
+    assert found.rms == found.levels[1].rms > 0 and found.levels[1].worst_level == 1
+    assert repr(found).startswith('<envmap.Difference flux ') and 'max 1 at face 4, row 3, column 2 of level 1>' in repr(found)
+    assert envmap.compare(a, envmap.Map(a)).max == 0
+    with pytest.raises(envmap.UsageError, match='the same number of levels, not 4 and 1'):
+        envmap.compare(a, cube())
 
 
 def test_files_in_memory(tmp_path):
@@ -129,10 +213,10 @@ def test_chains_go_into_one_file(tmp_path):
 
 
 def test_levels_halve():
-    for sizes in ((8, 7), (4, 8), (8, 3)):
-        with pytest.raises(envmap.UsageError, match='each level is half as large'):
+    for sizes in ((8, 7), (4, 8), (8, 3), (7, 4, 2), (7, 4, 2, 1, 1)):
+        with pytest.raises(envmap.UsageError, match='level 1 is .*, not .*mipmap|has at most 3 levels'):
             envmap.Map(levels=[np.ones((n, n, 3)) for n in sizes], projection='octahedral')
-    for sizes in ((7, 3, 1), (7, 4, 2, 1, 1)):
+    for sizes in ((7, 3, 1), (8, 4), (8, 4, 2, 1)):
         assert len(envmap.Map(levels=[np.ones((n, n, 3)) for n in sizes], projection='octahedral').levels) == len(sizes)
 
 

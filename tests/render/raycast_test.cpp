@@ -9,8 +9,8 @@
 #include <cstring>
 #include <glm/gtc/matrix_transform.hpp>
 
-#include "envmap/sample/lookup.h"
 #include "envmap/operate/generate.h"
+#include "envmap/operate/lookup.h"
 #include "envmap/render/shading.h"
 #include "envmap/render/texture_sample.h"
 #include "envmap/scene/mesh.h"
@@ -64,8 +64,7 @@ void each_texel(const Viewpoint& v, F&& f) {
       std::vector<Direction> rays(in.count());
       texel_directions(v.to, v.size, face, j, in.first, rays);
       for (int i = in.first; i < in.end; ++i)
-        f(face, i, j, std::size_t((face * v.size + j) * width + i),
-          v.axes * rays[i - in.first]);
+        f(face, i, j, std::size_t((face * v.size + j) * width + i), v.axes * rays[i - in.first]);
     }
 }
 

@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "envmap/operate/generate.h"
+#include "envmap/operate/lookup.h"
 #include "envmap/render/sheen.h"
-#include "envmap/sample/lookup.h"
 
 namespace shading_test {
 namespace {

@@ -118,7 +118,7 @@ std::string paragraph_lines(const std::string& paragraph, std::string_view headi
 std::string title(const std::string& name, int section = 1) {
   std::string upper = name;
   for (char& c : upper) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
-  return fmt::format(".TH {} {} \"\" \"envmap {}\" \"envmap\"\n", upper, section, ENVMAP_VERSION);
+  return fmt::format(".TH {} {} \"\" \"envmap {}\" \"envmap\"\n", upper, section, ENVMAP_VERSION_TEXT);
 }
 
 struct ExitStatus {

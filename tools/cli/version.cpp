@@ -9,7 +9,7 @@ namespace tools {
 
 std::string version_text() {
   const std::string commit = ENVMAP_COMMIT;
-  return fmt::format("envmap {}{}\nwith {}", ENVMAP_VERSION, commit.empty() ? "" : " (" + commit + ")",
+  return fmt::format("envmap {}{}\nwith {}", ENVMAP_VERSION_TEXT, commit.empty() ? "" : " (" + commit + ")",
                      ENVMAP_LIBRARIES);
 }
 

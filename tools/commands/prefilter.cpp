@@ -95,7 +95,7 @@ std::vector<Prefilter> levels_of(const Request& o) {
   std::vector<Prefilter> all;
   for (std::size_t k = 0; k < parameters.size(); ++k) {
     Prefilter p = o.map;
-    p.parameter = parameters[k];
+    if (p.shape != Shape::diffuse) p.parameter = parameters[k];
     p.size = size_inside_border(std::max(1, o.map.size >> k), o.write);
     lobe_of(p);
     all.push_back(p);

@@ -12,8 +12,8 @@
 #include "envmap/map/atlas.h"
 #include "envmap/maths/portable.h"
 #include "envmap/operate/convert.h"
+#include "envmap/operate/lookup.h"
 #include "envmap/prefilter/prefilter.h"
-#include "envmap/sample/lookup.h"
 
 namespace tools {
 namespace {
@@ -191,7 +191,7 @@ TileRow lit_balls(const EnvironmentMap& map, const Show& show, int size) {
     row.push_back({ball(to_world, size, show, [&](const Direction&, const Direction& r) { return light(r); }),
                    fmt::format("GGX {}", roughness)});
   }
-  const EnvironmentLookup light(source.make(lobe(Shape::diffuse, 0, 32)).map);
+  const EnvironmentLookup light(source.make(lobe(Shape::diffuse, unset_parameter, 32)).map);
   row.push_back(
       {ball(to_world, size, show, [&](const Direction& n, const Direction&) { return light(n); }), "diffuse"});
   return row;

@@ -15,12 +15,21 @@ namespace {
 
 using namespace envmap;
 
+// The library's message is of radians.
+double radians_of(double degrees, CameraModel lens) {
+  const bool fisheye = lens == CameraModel::fisheye;
+  if (!(degrees > 0 && (fisheye ? degrees <= 360 : degrees < 180)))
+    throw UsageError(fmt::format("--fov {:g}: a {} picture sees more than 0 and {} degrees", degrees,
+                                 camera_model_names[number_of("lens", lens)], fisheye ? "up to 360" : "less than 180"));
+  return pi / 180 * degrees;
+}
+
 PhotographOptions settled(const PhotographJob& job) {
-  constexpr double degree = pi / 180;
   PhotographOptions o = job.photograph;
-  o.field_radians = degree * job.field.value_or(o.lens == CameraModel::fisheye    ? 180
-                                                : o.lens == CameraModel::cylinder ? 90
-                                                                                  : 60);
+  o.field_radians = radians_of(job.field.value_or(o.lens == CameraModel::fisheye    ? 180
+                                                  : o.lens == CameraModel::cylinder ? 90
+                                                                                    : 60),
+                               o.lens);
   o.height = job.height.value_or(480);
   o.width = 1;
   const double once_round = 2 * pi / angle_across(o);

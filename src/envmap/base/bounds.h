@@ -26,8 +26,8 @@ inline constexpr Bounds area_error{"area_error", 1e-7, 1};
 /// Less than the program takes, which halves it for a file's rounding.
 inline constexpr Bounds max_error{"max_error", 1e-9, 10};
 inline constexpr Bounds scale{"scale", 0, 1e30};
-inline constexpr Bounds exponent{"exponent", 0, 1e9};
-inline constexpr Bounds roughness{"roughness", 0, 1};
+inline constexpr Bounds exponent{"exponent", 0, 1e9};  ///< Prefilter::parameter of phong and blinn-phong.
+inline constexpr Bounds roughness{"roughness", 0, 1};  ///< Prefilter::parameter of ggx and charlie.
 inline constexpr Bounds gain{"gain", 0, 1e300};
 inline constexpr Bounds saturation{"saturation", 0, 100};
 inline constexpr Bounds levels{"levels", 1, 32};
@@ -39,6 +39,8 @@ inline constexpr Bounds level{"level", 0, 31};
 inline constexpr Bounds headroom{"headroom", 0, 100};  ///< Stops.
 inline constexpr Bounds chain_size{"chain_size", 1, 4096};
 inline constexpr Bounds exposure{"exposure", -100, 100};
+inline constexpr Bounds doublings{"quality", -8, 8};    ///< Of sizes: Quality::environment and Quality::chain.
+inline constexpr Bounds kelvin{"kelvin", 1000, 25000};  ///< Of black bodies.
 inline constexpr Bounds threads{"threads", 0, 1024};
 inline constexpr Bounds picture_width{"width", 1, 65536};
 inline constexpr Bounds picture_height{"height", 1, 65536};
@@ -46,6 +48,6 @@ inline constexpr Bounds picture_height{"height", 1, 65536};
 }  // namespace limits
 
 /// @throws UsageError with the field, its range and the value where the range does not hold it.
-void check(const Bounds& range, double value);
+void check_range(const Bounds& range, double value);
 
 }  // namespace envmap

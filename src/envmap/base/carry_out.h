@@ -54,7 +54,7 @@ class SteadyProgress {
 /// its range, Cancelled where the run was stopped before it began.
 template <class Work>
 auto carry_out(const Run& run, const Work& work) {
-  check(limits::threads, run.threads);
+  check_range(limits::threads, run.threads);
   if (run.stop.stop_requested()) throw Cancelled();
   const SteadyProgress steady(run);
   using Made = decltype(work(steady.callback()));

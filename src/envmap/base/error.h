@@ -6,8 +6,10 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 
 #include "envmap/base/bounds.h"
+#include "envmap/base/enumerators.h"
 #include "envmap/base/export.h"
 
 namespace ENVMAP_EXPORT envmap {
@@ -19,6 +21,8 @@ enum class ErrorCode {
   renderer,  ///< There is nothing to draw with.
   accuracy,  ///< An error that was asked for cannot be met.
 };
+template <>
+inline constexpr std::size_t enumerators<ErrorCode> = std::size_t(ErrorCode::accuracy) + 1;
 
 /// What the caller may change so that the same request succeeds; a program words it in its own options.
 enum class Remedy {
@@ -50,6 +54,17 @@ enum class Remedy {
   take_base,              ///< ReadOptions::choice.headroom = 0: the picture without its gain map.
   make_all_levels,        ///< All levels down to one texel, which add_levels() makes.
 };
+template <>
+inline constexpr std::size_t enumerators<Remedy> = std::size_t(Remedy::make_all_levels) + 1;
+
+/// The enumerator as a word, for logs and for programs that word remedies themselves: "usage", "choose_projection".
+std::string_view name(ErrorCode code);
+std::string_view name(Remedy remedy);
+
+/// The same in words for people: "an input is unreadable or not what it claims to be", and what to change, with the
+/// names of this library: "set ReadOptions::drop_channels". Empty of Remedy::none.
+std::string_view words(ErrorCode code);
+std::string_view words(Remedy remedy);
 
 class Error : public std::runtime_error {
  public:

@@ -75,6 +75,25 @@ void write_tables(const Engine& engine, const EnvironmentMap& probe, const Outpu
     folder.write(engine.irradiance, harmonics_pair(IrradianceForm::filament, irradiance_polynomial(probe, {})).second);
 }
 
+void check_quality(const Quality& quality) {
+  check_range(limits::doublings, quality.environment);
+  check_range(limits::doublings, quality.chain);
+  check_range(limits::max_error, quality.max_error);
+}
+
+// One that is not of the table may lack what its maps are made by.
+void check_engine(const Engine& engine) {
+  if (engine.maps.empty()) throw UsageError(fmt::format("the engine '{}' takes no maps", engine.name));
+  for (const EngineMap& map : engine.maps) {
+    check_enumerator("projection", map.frame.projection);
+    check_enumerator("mirror", map.mirror);
+    if (map.depth) check_enumerator("depth", *map.depth);
+    if (!map.chain) continue;
+    check_enumerator("irradiance", map.chain->irradiance);
+    if (map.chain->roughness == nullptr) throw UsageError(fmt::format("{} needs a function roughness", map.file));
+  }
+}
+
 }  // namespace
 
 std::vector<std::string> files_of(const Engine& engine) {
@@ -88,10 +107,12 @@ std::vector<std::string> files_of(const Engine& engine) {
 
 std::vector<BakedFile> bake(EnvironmentMap probe, const Engine& engine, const std::string& folder,
                             const BakeOptions& asked, const Run& run) {
-  if (asked.size) check(limits::size, *asked.size);
-  if (asked.chain_size) check(limits::chain_size, *asked.chain_size);
-  if (asked.max_error) check(limits::max_error, *asked.max_error);
-  check(limits::exposure, asked.exposure);
+  if (asked.size) check_range(limits::size, *asked.size);
+  if (asked.chain_size) check_range(limits::chain_size, *asked.chain_size);
+  if (asked.max_error) check_range(limits::max_error, *asked.max_error);
+  check_range(limits::exposure, asked.exposure);
+  check_quality(asked.quality);
+  check_engine(engine);
   BakeOptions options = asked;
   expose(probe, options.exposure, options.write.provenance);
   return carry_out(run, [&](const Progress& progress) {

@@ -16,8 +16,8 @@
 
 namespace ENVMAP_EXPORT envmap {
 
-/// Doublings of the sizes that maps have by default, and the largest error of a lobe's texels before the file's depth
-/// rounds them.
+/// Doublings of the sizes that maps have by default, -8 to 8, and the largest error of a lobe's texels before the
+/// file's depth rounds them.
 struct Quality {
   std::string_view name;
   int environment, chain;

@@ -238,7 +238,7 @@ const EngineMap& chain_of(const Engine& engine) {
 
 std::vector<double> level_roughnesses(const EngineMap& map, int size, std::optional<int> levels,
                                       std::string_view size_name) {
-  check(limits::size, size);
+  check_range(limits::size, size);
   if (!map.chain) throw UsageError(fmt::format("{} has no chain", map.file));
   const int possible = std::bit_width(unsigned(size)), fixed = levels.value_or(map.chain->levels);
   const int count = fixed > 0 ? fixed : possible;
@@ -259,7 +259,7 @@ std::string turns_of(const Engine& e) {
 std::string frame_words(const Frame& frame) {
   const std::string projection = name(frame.projection);
   return has_forward(frame.projection)
-             ? fmt::format("{}, {} at the centre", projection, forward_names[std::size_t(frame.forward)])
+             ? fmt::format("{}, {} at the centre", projection, forward_names[number_of("forward", frame.forward)])
              : projection;
 }
 

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "envmap/base/enumerators.h"
 #include "envmap/base/export.h"
 #include "envmap/io/depth.h"
 #include "envmap/map/environment_map.h"
@@ -22,6 +23,8 @@ struct TextFile {
 /// How the irradiance stands in the file beside the levels: Filament's pair `sh`, the polynomial of Babylon.js' .env,
 /// the coefficients of EXT_lights_image_based. irradiance.h writes them.
 enum class IrradianceForm { none, filament, babylon, gltf };
+template <>
+inline constexpr std::size_t enumerators<IrradianceForm> = std::size_t(IrradianceForm::gltf) + 1;
 
 /// Levels of the environment as surfaces of rising roughness reflect it (GGX's split sum), for a shader that picks one.
 struct EngineChain {

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "envmap/base/bounds.h"
+
 namespace envmap {
 namespace {
 
@@ -33,6 +35,8 @@ Radiance shown(const Radiance& c, Display display) {
 }  // namespace
 
 void show(std::span<Colour> pixels, Display display, double exposure) {
+  check_enumerator("display", display);
+  check_range({"exposure", 0, limits::gain.most}, exposure);
   for (Colour& c : pixels) c = Colour(glm::clamp(shown(exposure * Radiance(c), display), 0.0, 1.0));
 }
 

@@ -114,7 +114,7 @@ Facts facts(const Metadata& data) {
   Facts all = data.facts;
   if (data.projection) all["projection"] = name(*data.projection);
   if (data.layout) all["layout"] = name(*data.layout);
-  if (data.forward) all["forward"] = forward_names[std::size_t(*data.forward)];
+  if (data.forward) all["forward"] = forward_names[number_of("forward", *data.forward)];
   if (data.levels) all["levels"] = std::to_string(*data.levels);
   if (data.border) all["border"] = std::to_string(*data.border);
   if (!data.space.empty()) all["space"] = data.space;

@@ -23,7 +23,7 @@ namespace {
 constexpr std::array texels_of_format{Texels::rgba16f, Texels::rgba32f, Texels::rgb16f,
                                       Texels::rgb32f,  Texels::rgb9e5,  Texels::bc6h_ufloat};
 
-const TexelFormat& format_of(PixelFormat format) { return format_of(texels_of_format[std::size_t(format)]); }
+const TexelFormat& format_of(PixelFormat format) { return format_of(texels_of_format[number_of("format", format)]); }
 
 // Each level as it is packed, and what of it does not fit.
 struct Stored {
@@ -76,14 +76,16 @@ void check_fit(const ClampStatistics& level, const TexelFormat& format, const Pa
 }  // namespace
 
 const PackedMap::Part& PackedMap::part(int level, int face) const {
-  envmap::check({"level", 0, levels - 1.0}, level);
-  envmap::check({"face", 0, faces - 1.0}, face);
+  check_range({"level", 0, levels - 1.0}, level);
+  check_range({"face", 0, faces - 1.0}, face);
   return parts.at(std::size_t(level * faces + face));
 }
 
 PackedMap pack(const EnvironmentMap& map, const PackOptions& options, const Run& run) {
-  envmap::check({"row_alignment", 1, 4096}, options.row_alignment);
+  check_range({"row_alignment", 1, 4096}, options.row_alignment);
+  check_enumerator("orientation", options.orientation);
   const TexelFormat& format = format_of(options.format);
+  check_levels(map);
   const bool api = options.orientation == FaceOrientation::graphics_api;
   PackedMap made{.format = options.format, .faces = map.base().faces(), .levels = int(map.levels.size())};
   std::size_t size = 0;
@@ -96,7 +98,6 @@ PackedMap pack(const EnvironmentMap& map, const PackOptions& options, const Run&
   carry_out(run, [&](const Progress& progress) {
     for (int k = 0; k < made.levels; ++k) {
       const Level& level = map.levels[std::size_t(k)];
-      if (level.faces() != made.faces) throw UsageError("levels of one map must have one projection");
       check(level, format, k > 0 ? fmt::format(" of level {}", k) : "");
       const Stored stored(level, format, api);
       const Grid grid = envmap::grid(default_layout(level.projection()));

@@ -3,9 +3,11 @@
 #pragma once
 
 #include <cstddef>
+#include <iterator>
 #include <string_view>
 #include <vector>
 
+#include "envmap/base/enumerators.h"
 #include "envmap/base/export.h"
 #include "envmap/base/run.h"
 #include "envmap/map/environment_map.h"
@@ -15,6 +17,8 @@ namespace ENVMAP_EXPORT envmap {
 /// Texels in memory order, little-endian. Alpha is 1. bc6h is BC6H_UF16 in blocks of 4 x 4 texels.
 enum class PixelFormat { rgba16f, rgba32f, rgb16f, rgb32f, rgb9e5, bc6h };
 inline constexpr std::string_view pixel_format_names[] = {"rgba16f", "rgba32f", "rgb16f", "rgb32f", "rgb9e5", "bc6h"};
+template <>
+inline constexpr std::size_t enumerators<PixelFormat> = std::size(pixel_format_names);
 
 /// How the faces of a cube lie:
 /// - graphics_api: as OpenGL, Vulkan and Direct3D define a cube texture. A lookup with world direction d returns
@@ -22,6 +26,8 @@ inline constexpr std::string_view pixel_format_names[] = {"rgba16f", "rgba32f", 
 /// - seen_from_inside: as in EnvironmentMap.
 /// Maps of other projections are the same in both. Their first row is v = 0, the top of the image, in all three APIs.
 enum class FaceOrientation { graphics_api, seen_from_inside };
+template <>
+inline constexpr std::size_t enumerators<FaceOrientation> = std::size_t(FaceOrientation::seen_from_inside) + 1;
 
 struct PackOptions {
   PixelFormat format = PixelFormat::rgba16f;
@@ -51,7 +57,8 @@ struct PackedMap {
 };
 
 /// @throws InputError where a texel is NaN or infinite, UsageError where a texel is negative and the format has no
-/// sign, where values do not fit and `clamp` is not set, or where an option is out of its range.
+/// sign, where values do not fit and `clamp` is not set, where an option is out of its range, or where levels are not
+/// the halves of the ones before, as write() wants them, too.
 PackedMap pack(const EnvironmentMap& map, const PackOptions& options = {}, const Run& run = {});
 
 }  // namespace envmap

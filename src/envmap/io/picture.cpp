@@ -1,7 +1,12 @@
 #include "envmap/io/picture.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
 #include <vector>
 
+#include "envmap/base/error.h"
 #include "envmap/io/file_format.h"
 #include "envmap/io/image_writer.h"
 #include "envmap/io/output_file.h"
@@ -22,6 +27,22 @@ const FileFormat* picture_format(const std::string& path, const PictureOptions& 
   return format && format->can(FileFormat::picture) ? format : nullptr;
 }
 
+// Whole rows, and nothing but colours in them.
+void check_picture(const std::string& path, int width, std::span<const Colour> pixels) {
+  check_range(limits::picture_width, width);
+  const auto across = std::size_t(width);
+  if (pixels.empty() || pixels.size() % across != 0)
+    throw UsageError(path, fmt::format("{} pixels are no rows of {}", pixels.size(), width));
+  check_range(limits::picture_height, double(pixels.size() / across));
+  const auto bad = [](const Colour& c) { return !(std::isfinite(c.x) && std::isfinite(c.y) && std::isfinite(c.z)); };
+  const auto first = std::ranges::find_if(pixels, bad);
+  if (first == pixels.end()) return;
+  const auto place = std::size_t(first - pixels.begin());
+  throw UsageError(path,
+                   fmt::format("{} of {} pixels are NaN or infinite, the first at ({},{})",
+                               std::ranges::count_if(pixels, bad), pixels.size(), place % across, place / across));
+}
+
 }  // namespace
 
 bool is_picture(const std::string& path, const PictureOptions& options) {
@@ -34,6 +55,8 @@ bool is_linear_picture(const std::string& path, const PictureOptions& options) {
 }
 
 void write_picture(const std::string& path, int width, std::span<const Colour> pixels, const PictureOptions& options) {
+  check_enumerator("display", options.display);
+  check_picture(path, width, pixels);
   if (is_linear_picture(path, options)) return write_stored(path, width, pixels, Depth::single, options);
   std::vector<Colour> encoded(pixels.begin(), pixels.end());
   show(encoded, options.display);
@@ -43,7 +66,9 @@ void write_picture(const std::string& path, int width, std::span<const Colour> p
 
 void write_stored(const std::string& path, int width, std::span<const Colour> pixels, Depth depth,
                   const PictureOptions& options, const Attributes& attributes) {
-  const int height = int(pixels.size()) / width;
+  check_enumerator("depth", depth);
+  check_picture(path, width, pixels);
+  const int height = int(pixels.size() / std::size_t(width));
   OutputFile file(path, options.commit);
   const ImageWriter writer = make_writer(file, path, extension(path, options),
                                          {.levels = {{width, height}}, .depth = depth, .attributes = attributes});

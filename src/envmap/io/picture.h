@@ -27,11 +27,12 @@ bool is_picture(const std::string& path, const PictureOptions& options = {});
 bool is_linear_picture(const std::string& path, const PictureOptions& options = {});
 
 /// @param path `-` for standard output. .png and .jpg hold 8 bits, sRGB encoded; .exr and .hdr linear floats.
-/// @param pixels linear, rows from the top. @throws OutputError; then nothing is left behind.
+/// @param pixels linear, rows from the top. @throws UsageError where they are no whole rows, or one is NaN or infinite,
+/// OutputError where the file cannot be written; then nothing is left behind.
 void write_picture(const std::string& path, int width, std::span<const Colour> pixels,
                    const PictureOptions& options = {});
 
-/// Any image of pixels as they are to be stored: sRGB encoded for integers. @throws OutputError as write_picture().
+/// Any image of pixels as they are to be stored: sRGB encoded for integers. @throws as write_picture().
 void write_stored(const std::string& path, int width, std::span<const Colour> pixels, Depth depth,
                   const PictureOptions& options = {}, const Attributes& attributes = {});
 

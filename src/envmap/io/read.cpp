@@ -391,11 +391,16 @@ Source read_faces(const std::string& path, const ReadOptions& options, const Pro
 }
 
 void check(const ReadOptions& options) {
-  check(limits::level, options.level);
-  if (options.border) check(limits::border, *options.border);
+  check_range(limits::level, options.level);
+  if (options.border) check_range(limits::border, *options.border);
+  check_enumerator("flaws", options.flaws);
+  if (options.projection) check_enumerator("projection", *options.projection);
+  if (options.layout) check_enumerator("layout", *options.layout);
+  for (const auto& forward : {options.forward, options.assumed_forward})
+    if (forward) check_enumerator("forward", *forward);
   if (options.border_samples && options.ignore_envmap_attribute)
     throw UsageError("border_samples and ignore_envmap_attribute contradict each other");
-  if (options.choice.headroom) check(limits::headroom, *options.choice.headroom);
+  if (options.choice.headroom) check_range(limits::headroom, *options.choice.headroom);
   if (options.all_levels && options.level != 0) throw UsageError("level must be 0 where all levels are read");
 }
 

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "envmap/base/enumerators.h"
 #include "envmap/base/export.h"
 #include "envmap/base/run.h"
 #include "envmap/io/colour.h"
@@ -26,6 +27,8 @@ inline constexpr std::uint64_t default_max_pixels = std::uint64_t{1} << 31;
 
 /// What to do with NaN, infinite and negative radiance.
 enum class FlawPolicy { refuse, repair, keep };
+template <>
+inline constexpr std::size_t enumerators<FlawPolicy> = std::size_t(FlawPolicy::keep) + 1;
 
 /// What the user says of the file; where nothing is said the metadata decides, then the shape.
 struct ReadOptions {

@@ -3,7 +3,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -31,6 +30,7 @@
 #include "envmap/io/write_plan.h"
 #include "envmap/map/atlas.h"
 #include "envmap/map/border.h"
+#include "envmap/map/check_chain.h"
 #include "envmap/map/image_view.h"
 #include "envmap/maths/portable.h"
 #include "envmap/operate/border_samples.h"
@@ -268,27 +268,20 @@ Written write_files(const std::string& path, std::span<const Rows> levels, const
   return done;
 }
 
-// A chain that was read may round as its writer did; what is written is halved and rounded down.
 void check_sizes(const std::string& path, std::span<const Rows> levels) {
-  for (std::size_t k = 0; k < levels.size(); ++k) {
-    const int width = std::max(1, levels[0].width() >> k), height = std::max(1, levels[0].size >> k);
-    if (levels[k].width() != width || levels[k].size != height)
-      throw UsageError(path,
-                       fmt::format("level {} is {}x{}, not {}x{}", k, levels[k].width(), levels[k].size, width, height),
-                       Remedy::make_levels);
-  }
+  std::vector<LevelSize> faces;
+  for (const Rows& rows : levels) faces.push_back({rows.width(), rows.size});
+  check_halving(faces, path);
 }
 
-// A texture and an .exr file end with a level of one texel.
+// A file for each level may hold what no chain of a graphics API does: further lobes at one texel.
 void check_count(const std::string& path, std::span<const Rows> levels, int border) {
-  const int width = levels.front().width() + 2 * border, height = levels.front().size + 2 * border;
-  const std::size_t possible = std::bit_width(unsigned(std::max(width, height)));
-  if (levels.size() > possible && !has_level(path))
-    throw UsageError(path, fmt::format("{}x{} has at most {} levels, not {}", width, height, possible, levels.size()));
+  const Rows& base = levels.front();
+  if (!has_level(path)) check_level_count({base.width() + 2 * border, base.size + 2 * border}, levels.size(), path);
 }
 
 // A range for each level. Sizes are those of the whole, whose border may be missing here.
-void check_rows(const std::string& path, std::span<const Rows> levels, const WriteOptions& options) {
+void check_row_ranges(const std::string& path, std::span<const Rows> levels, const WriteOptions& options) {
   if (options.rows.size() != levels.size())
     throw UsageError(path, fmt::format("{} ranges of rows for {} levels", options.rows.size(), levels.size()));
   const Grid places = grid(choose_layout(path, *format_with_extension("exr"), options, levels.front().projection));
@@ -310,7 +303,7 @@ Written write_checked(const std::string& path, std::span<const Rows> levels, con
     return write_files(path, all_rows_of(textures), options, progress, beside);
   }
   if (!options.rows.empty())
-    check_rows(path, levels, options);
+    check_row_ranges(path, levels, options);
   else
     check_sizes(path, levels);
   if (!options.openexr_envmap) return write_files(path, levels, options, progress, beside);
@@ -326,8 +319,8 @@ Written write_checked(const std::string& path, std::span<const Rows> levels, con
 Written write_map(const std::string& path, std::span<const Rows> levels, const WriteOptions& options, const Run& run,
                   const Beside& beside) {
   if (levels.empty()) throw UsageError(path, "nothing to write: the map has no levels");
-  for (const Rows& rows : levels) check(rows);
-  check(limits::border, options.border);
+  for (const Rows& rows : levels) check_rows(rows);
+  check_range(limits::border, options.border);
   const Rows& base = levels.front();
   for (const Rows& rows : levels)
     if (rows.projection != base.projection || rows.forward != base.forward)

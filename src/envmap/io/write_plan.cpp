@@ -124,6 +124,10 @@ void check_space(const std::string& path, const FileFormat& format, Depth depth,
 }
 
 void check_output(const std::string& path, const WriteOptions& options, Projection projection, bool levels) {
+  check_enumerator("projection", projection);
+  check_enumerator("source_depth", options.source_depth);
+  if (options.depth) check_enumerator("depth", *options.depth);
+  if (options.layout) check_enumerator("layout", *options.layout);
   std::error_code error;
   if (path != "-" && std::filesystem::is_directory(path, error))
     throw OutputError(path, "is a folder: give a file name");

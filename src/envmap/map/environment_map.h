@@ -4,10 +4,12 @@
 
 #include <cassert>
 #include <cstddef>
+#include <iterator>
 #include <span>
 #include <string_view>
 #include <vector>
 
+#include "envmap/base/enumerators.h"
 #include "envmap/base/export.h"
 #include "envmap/map/storage.h"
 #include "envmap/projection/projection.h"
@@ -27,7 +29,8 @@ class Level {
   /// projection. Only the coarser levels of a latlong map have another: they halve each side and round it down, 90x45
   /// 45x22 ... 1x1.
   /// @param max_memory of the process, in bytes: the texels then lie in a scratch file (storage.h). 0: in memory.
-  /// @throws UsageError where a side is out of its range (bounds.h), std::bad_alloc.
+  /// @throws UsageError where a side is out of its range (bounds.h) or the width of another map than a latlong one is
+  /// not that of its projection, std::bad_alloc.
   Level(Projection projection, int size, int width = 0, std::size_t max_memory = 0);
   Level(Level&&) noexcept = default;
   Level& operator=(Level&&) noexcept = default;
@@ -87,6 +90,8 @@ class Level {
 enum class Forward { plus_z, minus_z, plus_x, minus_x };
 
 inline constexpr std::string_view forward_names[] = {"+z", "-z", "+x", "-x"};
+template <>
+inline constexpr std::size_t enumerators<Forward> = std::size(forward_names);
 
 /// Turn about +Y from the image frame (+Z at the centre) to the world.
 Rotation image_to_world(Forward forward);
@@ -94,6 +99,8 @@ Rotation image_to_world(Forward forward);
 /// A world axis whose two directions are exchanged, as left-handed tools need it.
 enum class MirroredAxis { none, x, y, z };
 inline constexpr std::string_view mirrored_axis_names[] = {"none", "x", "y", "z"};
+template <>
+inline constexpr std::size_t enumerators<MirroredAxis> = std::size(mirrored_axis_names);
 
 /// How an image shows the world: its projection, and the world axis at its centre.
 struct Frame {
@@ -101,7 +108,9 @@ struct Frame {
   Forward forward;  ///< +z for projections without a centre to choose, whatever was asked for.
 
   Frame(Projection p, Forward f = Forward::plus_z)  // NOLINT: a projection is a frame.
-      : projection(p), forward(has_forward(p) ? f : Forward::plus_z) {}
+      : projection(p), forward(has_forward(p) ? f : Forward::plus_z) {
+    check_enumerator("forward", f);
+  }
 };
 
 /// A member that makes its owner movable but not copyable, and leaves it an aggregate.
@@ -134,6 +143,10 @@ struct EnvironmentMap {
  private:
   [[noreturn]] static Level& no_level();
 };
+
+/// @throws UsageError where the levels are no mip chain as write() and pack() take them: one projection, each level
+/// half the one before, rounded down, and none after that of one texel.
+void check_levels(const EnvironmentMap& map);
 
 /// A map of one level, all 0.
 EnvironmentMap blank_map(const Frame& frame, int size);

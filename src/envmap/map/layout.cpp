@@ -18,6 +18,7 @@ constexpr std::array<Slot, 6> vcross_slots{{{2, 1}, {0, 1}, {1, 0}, {1, 2}, {1, 
 }  // namespace
 
 std::string_view name(Layout layout) {
+  check_enumerator("layout", layout);
   switch (layout) {
     case Layout::single: return "single";
     case Layout::pair: return "pair";
@@ -39,6 +40,7 @@ std::optional<Layout> layout_named(std::string_view wanted) {
 }
 
 Grid grid(Layout layout) {
+  check_enumerator("layout", layout);
   switch (layout) {
     case Layout::single: return {1, 1, single_slots};
     case Layout::pair: return {2, 1, pair_slots};

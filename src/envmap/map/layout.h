@@ -6,6 +6,7 @@
 #include <span>
 #include <string_view>
 
+#include "envmap/base/enumerators.h"
 #include "envmap/base/export.h"
 #include "envmap/projection/projection.h"
 
@@ -15,6 +16,8 @@ namespace ENVMAP_EXPORT envmap {
 /// face, `api` a cube texture of KTX, KTX2 and DDS. Its faces are mirrored against those in memory: +X, -X, +Z and -Z
 /// left to right, +Y and -Y top to bottom.
 enum class Layout { single, pair, column, row, cross, vcross, grid3x2, files, api };
+template <>
+inline constexpr std::size_t enumerators<Layout> = std::size_t(Layout::api) + 1;
 
 inline constexpr Layout cube_layouts[] = {Layout::column, Layout::row,     Layout::cross,
                                           Layout::vcross, Layout::grid3x2, Layout::files};

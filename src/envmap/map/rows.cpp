@@ -6,12 +6,15 @@
 
 #include "envmap/base/error.h"
 #include "envmap/base/parallel.h"
+#include "envmap/map/check_chain.h"
+#include "envmap/map/check_row.h"
 
 namespace envmap {
 
 Rows rows_of(const Level& level, Forward forward) {
   return {level.projection(), level.height(), forward,
           [&level](int face, int row, std::span<Colour> out) {
+            check_row(level.faces(), level.height(), level.width(), face, row, out.size());
             std::ranges::copy(level.row(face, row), out.begin());
             level.trim();
           },
@@ -50,14 +53,15 @@ Rows with_x_negated(const Rows& rows) {
   return negated;
 }
 
-void check(const Rows& rows) {
+void check_rows(const Rows& rows) {
   if (!rows.fill) throw UsageError("rows need a function that fills them");
-  check(limits::level_height, rows.size);
-  if (rows.columns != 0) check(limits::level_width, rows.columns);
+  check_enumerator("forward", rows.forward);
+  check_range(limits::level_height, rows.size);
+  if (rows.columns != 0) check_face_size(rows.projection, {rows.columns, rows.size});
 }
 
 Level level_of(const Rows& rows) {
-  check(rows);
+  check_rows(rows);
   Level level(rows.projection, rows.size, rows.width());
   parallel_for(level.faces() * rows.size,
                [&](int k) { rows.fill(k / rows.size, k % rows.size, level.row(k / rows.size, k % rows.size)); });

@@ -15,7 +15,8 @@ struct Rows {
   Projection projection;
   int size;  ///< Height of a face.
   Forward forward;
-  /// Fills row `row` of a face, `out.size()` = its width. Called from many threads at once; always gives the same.
+  /// Fills row `row` of a face, `out.size()` = its width. Called from many threads at once; always gives the same. Rows
+  /// that the library makes throw UsageError where the row or the length is another.
   std::function<void(int face, int row, std::span<Colour> out)> fill;
   int columns = 0;  ///< Width of a face where that is not size x aspect: see Level.
 
@@ -41,7 +42,7 @@ std::vector<Rows> all_rows_of(EnvironmentMap&& map);
 Rows with_x_negated(const Rows& rows);
 
 /// @throws UsageError where the rows cannot be made: no function, or a size out of its range.
-void check(const Rows& rows);
+void check_rows(const Rows& rows);
 
 /// All rows, made in parallel.
 Level level_of(const Rows& rows);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "envmap/base/bounds.h"
+
 namespace envmap {
 namespace {
 
@@ -53,6 +55,7 @@ Flux luminance_weights(const Primaries& p) {
 }
 
 Point2 black_body(double kelvin) {
+  check_range(limits::kelvin, kelvin);
   const double t = kelvin, t2 = t * t;
   const double u =
       (0.860117757 + 1.54118254e-4 * t + 1.28641212e-7 * t2) / (1 + 8.42420235e-4 * t + 7.08145163e-7 * t2);

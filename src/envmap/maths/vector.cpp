@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 
+#include "envmap/maths/check_direction.h"
 #include "envmap/maths/portable.h"
 
 namespace envmap {
@@ -35,7 +36,8 @@ Rotation rotation(double yaw, double pitch, double roll) {
   return about_y * about_x * about_z;
 }
 
-Rotation upright_about(const Direction& z) {
+Rotation upright_about(const Direction& towards) {
+  const Direction z = checked_direction("z", towards);
   const bool upright = std::abs(z.y) < 1 - 1e-12;
   const Direction x = glm::normalize(glm::cross(upright ? Direction(0, 1, 0) : Direction(0, 0, z.y > 0 ? -1 : 1), z));
   return {x, glm::cross(z, x), z};
@@ -46,7 +48,8 @@ Direction unit(const Direction& v, const Direction& otherwise) {
   return length > 0 && std::isfinite(length) ? v / length : otherwise;
 }
 
-double angle_between(const Direction& a, const Direction& b) {
+double angle_between(const Direction& first, const Direction& second) {
+  const Direction a = checked_direction("a", first), b = checked_direction("b", second);
   return 2 * portable::atan2(glm::length(a - b), glm::length(a + b));
 }
 

@@ -22,11 +22,13 @@ void check_place(std::string_view field, const Place& place) {
 /// @param options RenderOptions or ViewOptions. @param by_rays whether rays alone draw. @throws UsageError
 template <class Options>
 void check_drawing(const Options& options, bool by_rays) {
-  check({"samples", 1, 1024}, options.samples);
-  check({"time_seconds", -1e6, 1e6}, options.time_seconds);
-  check({"occlusion", 0, max_distant_lights}, options.occlusion);
-  check({"near_metres", 1e-9, 1e9}, options.near_metres);
-  check({"far_metres", 1e-9, 1e12}, options.far_metres);
+  check_enumerator("method", options.method);
+  check_enumerator("context", options.context);
+  check_range({"samples", 1, 1024}, options.samples);
+  check_range({"time_seconds", -1e6, 1e6}, options.time_seconds);
+  check_range({"occlusion", 0, max_distant_lights}, options.occlusion);
+  check_range({"near_metres", 1e-9, 1e9}, options.near_metres);
+  check_range({"far_metres", 1e-9, 1e12}, options.far_metres);
   if (options.ambient) check_not_negative("ambient", Flux(*options.ambient));
   if (options.near_metres >= options.far_metres) throw UsageError("near_metres must be less than far_metres");
   if (by_rays && options.context != ContextKind::automatic)

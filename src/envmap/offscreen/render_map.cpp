@@ -7,6 +7,7 @@
 #include "envmap/base/carry_out.h"
 #include "envmap/base/error.h"
 #include "envmap/base/part_progress.h"
+#include "envmap/maths/check_direction.h"
 #include "envmap/offscreen/check_drawing.h"
 #include "envmap/offscreen/lit_scene.h"
 #include "envmap/render/choose.h"
@@ -18,10 +19,11 @@ namespace envmap {
 namespace {
 
 void check(const RenderOptions& o) {
-  check(limits::size, o.size);
+  check_range(limits::size, o.size);
   check_drawing(o, o.method == DrawMethod::raycast);
   check_place("at", o.at);
-  if (o.towards) check_place("towards", *o.towards);
+  if (o.towards)
+    if (const auto* const along = std::get_if<Direction>(&*o.towards)) (void)checked_direction("towards", *along);
   if (!can_draw(o.method, o.to.projection))
     throw UsageError(fmt::format("method '{}' cannot draw {} maps: resample or raycast can",
                                  draw_method_names[std::size_t(o.method)], name(o.to.projection)));

@@ -23,14 +23,16 @@ void check_map(Projection map) {
 }
 
 void check(const ViewOptions& o) {
-  envmap::check({"width", 1, 16384}, o.width);
-  envmap::check({"height", 1, 16384}, o.height);
-  envmap::check({"lobe_samples", 0, 65536}, o.lobe_samples);
-  envmap::check({"largest_map", 4, 8192}, o.largest_map);
-  if (o.map_size != 0) envmap::check({"map_size", 4, 8192}, o.map_size);
-  if (o.vertical_field_degrees) envmap::check({"vertical_field_degrees", 0.01, 179}, *o.vertical_field_degrees);
-  if (o.bounces) envmap::check({"bounces", 1, 64}, *o.bounces);
-  if (o.max_error) envmap::check({"max_error", 1e-6, 10}, *o.max_error);
+  check_range({"width", 1, 16384}, o.width);
+  check_range({"height", 1, 16384}, o.height);
+  check_range({"lobe_samples", 0, 65536}, o.lobe_samples);
+  check_range({"largest_map", 4, 8192}, o.largest_map);
+  if (o.map_size != 0) check_range({"map_size", 4, 8192}, o.map_size);
+  if (o.vertical_field_degrees) check_range({"vertical_field_degrees", 0.01, 179}, *o.vertical_field_degrees);
+  if (o.bounces) check_range({"bounces", 1, 64}, *o.bounces);
+  if (o.max_error) check_range({"max_error", 1e-6, 10}, *o.max_error);
+  check_enumerator("reflection", o.reflection);
+  check_enumerator("lookup", o.lookup);
   check_map(o.maps);
   for (const MirrorWish& wish : o.mirrors) check_map(wish.map.value_or(o.maps));
   const bool by_rays = o.method == ViewMethod::raycast;

@@ -3,11 +3,13 @@
 /// moment.
 #pragma once
 
+#include <iterator>
 #include <optional>
 #include <string>
 #include <variant>
 #include <vector>
 
+#include "envmap/base/enumerators.h"
 #include "envmap/base/export.h"
 #include "envmap/base/run.h"
 #include "envmap/map/environment_map.h"
@@ -25,6 +27,8 @@ struct MirrorWish {
 /// maps: OpenGL, each mirror through a map of its own. raycast: rays that mirrors reflect, the reference, no OpenGL.
 enum class ViewMethod { maps, raycast };
 inline constexpr std::string_view view_method_names[] = {"maps", "raycast"};
+template <>
+inline constexpr std::size_t enumerators<ViewMethod> = std::size(view_method_names);
 
 struct ViewOptions {
   /// A point of the scene, or the name of a camera. Absent: the scene's first camera, or all of the scene in sight.

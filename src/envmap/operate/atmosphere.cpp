@@ -6,10 +6,10 @@
 
 #include "envmap/base/carry_out.h"
 #include "envmap/base/parallel.h"
+#include "envmap/maths/check_direction.h"
 #include "envmap/maths/portable.h"
 #include "envmap/maths/primaries.h"
 #include "envmap/operate/air.h"
-#include "envmap/operate/check_options.h"
 #include "envmap/projection/visit.h"
 
 namespace envmap {
@@ -162,11 +162,11 @@ void add_disc(const Atmosphere& a, const SunTable& table, double edge, Environme
 }
 
 void check_atmosphere(const Atmosphere& a) {
-  check_direction("sun", a.sun);
-  check(limits::turbidity, a.turbidity);
-  check(limits::altitude, a.altitude);
-  check(limits::sun_radius, a.radius_degrees);
-  for (int c = 0; c < 3; ++c) check(limits::albedo, a.ground[c]);
+  check_enumerator("scattering", a.scattering);
+  check_range(limits::turbidity, a.turbidity);
+  check_range(limits::altitude, a.altitude);
+  check_range(limits::sun_radius, a.radius_degrees);
+  for (int c = 0; c < 3; ++c) check_range(limits::albedo, a.ground[c]);
 }
 
 void fill_sky(const SkyTable& sky, EnvironmentMap& map, const Progress& progress) {
@@ -185,9 +185,9 @@ void fill_sky(const SkyTable& sky, EnvironmentMap& map, const Progress& progress
 
 Daylight generate(const Atmosphere& wanted, const Frame& to, int size, const Run& run) {
   check_atmosphere(wanted);
-  check(limits::size, size);
+  check_range(limits::size, size);
   Atmosphere a = wanted;
-  a.sun = glm::normalize(a.sun);
+  a.sun = glm::normalize(checked_direction("sun", a.sun));
   Daylight made{.map = blank_map(to, size)};
   carry_out(run, [&](const Progress& progress) {
     const double radius = air::ground_radius + a.altitude, edge = air::horizon(radius);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "envmap/base/bounds.h"
+#include "envmap/base/enumerators.h"
 #include "envmap/base/export.h"
 #include "envmap/base/run.h"
 #include "envmap/map/environment_map.h"
@@ -14,10 +15,12 @@ enum class Scattering {
   single,    ///< Nishita et al. 1993: sunlight that was scattered once.
   multiple,  ///< All orders: from the second on isotropic, as a geometric series (Hillaire 2020, section 5.5).
 };
+template <>
+inline constexpr std::size_t enumerators<Scattering> = std::size_t(Scattering::multiple) + 1;
 
 /// Spherical air of molecules, haze and ozone above a diffuse ground, lit by the sun. No refraction.
 struct Atmosphere {
-  Direction sun{0, 0.5, 0.8660254037844386};  ///< Unit vector towards the sun, world frame; +Y is up.
+  Direction sun{0, 0.5, 0.8660254037844386};  ///< Towards the sun, of any length, world frame; +Y is up.
   /// Vertical optical depth at 550 nm of molecules and haze over that of the molecules alone (Preetham et al. 1999).
   double turbidity = 2.5;
   double altitude = 0;             ///< Of the viewer above the ground, in metres.
@@ -31,7 +34,7 @@ namespace limits {
 inline constexpr Bounds turbidity{"turbidity", 1, 10};
 inline constexpr Bounds altitude{"altitude", 0, 60000};  ///< In metres.
 inline constexpr Bounds albedo{"ground", 0, 1};
-inline constexpr Bounds sun_radius{"radius", 0.001, 10};  ///< In degrees.
+inline constexpr Bounds sun_radius{"radius_degrees", 0.001, 10};  ///< In degrees.
 }  // namespace limits
 
 /// Lumens of a watt that is weighted by CIE 1931.

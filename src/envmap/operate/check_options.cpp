@@ -16,12 +16,6 @@ void check_rotation(std::string_view field, const Rotation& rotation) {
   if (!close) throw UsageError(fmt::format("{} must be a rotation: orthonormal columns and determinant 1", field));
 }
 
-void check_direction(std::string_view field, const Direction& direction) {
-  if (unit(direction) == Direction(0))
-    throw UsageError(fmt::format("{} must be a finite direction other than 0, not ({:g}, {:g}, {:g})", field,
-                                 direction.x, direction.y, direction.z));
-}
-
 void check_finite(std::string_view field, const Flux& value) {
   for (int k = 0; k < 3; ++k)
     if (!std::isfinite(value[k]))

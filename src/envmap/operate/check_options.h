@@ -11,9 +11,6 @@ namespace envmap {
 /// @throws UsageError where the matrix is no rotation, to 1e-6 of its elements.
 void check_rotation(std::string_view field, const Rotation& rotation);
 
-/// @throws UsageError where the vector has no direction: 0, NaN or infinite.
-void check_direction(std::string_view field, const Direction& direction);
-
 /// @throws UsageError where a component is not finite.
 void check_finite(std::string_view field, const Flux& value);
 

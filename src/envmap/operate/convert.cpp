@@ -10,6 +10,7 @@
 #include "envmap/base/carry_out.h"
 #include "envmap/base/error.h"
 #include "envmap/base/parallel.h"
+#include "envmap/map/check_row.h"
 #include "envmap/maths/portable.h"
 #include "envmap/operate/check_options.h"
 #include "envmap/operate/choose_filter.h"
@@ -33,12 +34,16 @@ double covered(const Target& target, const Level& source) {
 }
 
 void check(const ConvertOptions& o) {
-  if (o.size) check(limits::size, *o.size);
-  check(limits::samples, o.samples);
-  if (o.area_error) check(limits::area_error, *o.area_error);
-  if (o.max_error) check(limits::max_error, *o.max_error);
-  check(limits::gain, o.gain);
+  if (o.size) check_range(limits::size, *o.size);
+  check_range(limits::samples, o.samples);
+  if (o.area_error) check_range(limits::area_error, *o.area_error);
+  if (o.max_error) check_range(limits::max_error, *o.max_error);
+  check_range(limits::gain, o.gain);
   check_rotation("rotation", o.rotation);
+  if (o.filter) check_enumerator("filter", *o.filter);
+  if (o.area_sides) check_enumerator("area_sides", *o.area_sides);
+  check_enumerator("mirror", o.mirror);
+  if (o.ball) check_range({"distance", BallCamera::nearest, BallCamera::farthest}, o.ball->distance);
 }
 
 // The turn that is left of `rotation` and the mirroring where x of the result's images is negated.
@@ -54,8 +59,6 @@ Rotation turn_before_negation(const ConvertOptions& o) {
 Target make_target(const EnvironmentMap& source, const ConvertOptions& o) {
   check(o);
   if (o.ball && source.projection() != Projection::sphere) throw UsageError("only sphere maps are photos of a ball");
-  if (o.ball && !(o.ball->distance >= BallCamera::nearest && o.ball->distance <= BallCamera::farthest))
-    throw UsageError("a camera is 1.02 to 1e6 radii away from the ball's centre");
   const int size = o.size.value_or(matching_size(source.projection(), source.base().height(), o.to.projection));
   return {o.to.projection, size,
           glm::transpose(image_to_world(source.forward)) * glm::transpose(turn_before_negation(o)) *
@@ -203,6 +206,7 @@ void Resampler::Prepared::copy(int face, int row, int first, std::span<Colour> o
 }
 
 void Resampler::Prepared::fill(int face, int row, std::span<Colour> out) const {
+  check_row(faces(target.to), target.size, target.size * aspect(target.to), face, row, out.size());
   const Columns in = columns(target.to, target.size, row);
   std::ranges::fill(out, Colour(0));
   const std::span<Colour> texels = in.of(out);

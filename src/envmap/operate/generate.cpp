@@ -7,6 +7,7 @@
 #include "envmap/base/carry_out.h"
 #include "envmap/base/error.h"
 #include "envmap/base/parallel.h"
+#include "envmap/maths/check_direction.h"
 #include "envmap/maths/legendre.h"
 #include "envmap/maths/portable.h"
 #include "envmap/operate/check_options.h"
@@ -270,15 +271,13 @@ void add_sun(const Sun& sun, const Cone& cone, Level& level) {
 
 void fill(const Sun& sun, EnvironmentMap& map, const Progress& progress) {
   fill(sun.sky, map, progress);
-  const Cone cone{glm::transpose(image_to_world(map.forward)) * sun.towards, sun.radius_degrees * pi / 180};
+  const Cone cone{glm::transpose(image_to_world(map.forward)) * checked_direction("towards", sun.towards),
+                  sun.radius_degrees * pi / 180};
   visit(map.projection(), [&](auto p) { add_sun<decltype(p)>(sun, cone, map.base()); });
 }
 
 // ---- what makes no sense --------------------------------------------------------------------------------------------
 
-void require(bool sensible, const char* message) {
-  if (!sensible) throw UsageError(message);
-}
 // One for each pattern: a new one that has none does not compile.
 void check(const Constant&) {}
 void check(const Gradient&) {}
@@ -289,21 +288,23 @@ void check(const Sky& p) {
   check_not_negative("ground", Flux(p.ground));
   if (p.horizon) check_not_negative("horizon", Flux(*p.horizon));
 }
-void check(const Checker& p) { require(p.squares >= 1, "the squares of a checker: at least 1"); }
+void check(const Checker& p) { check_range(limits::squares, p.squares); }
 void check(const Sun& p) {
   check(p.sky);
-  check_direction("towards", p.towards);
   check_not_negative("radiance", Flux(p.radiance));
-  require(p.radius_degrees > 0 && p.radius_degrees <= 180, "the radius of a sun: more than 0 and at most 180 degrees");
+  check_range(limits::disc_radius, p.radius_degrees);
 }
 void check(const Harmonic& p) {
-  require(p.degree >= 0 && p.degree <= 100, "the degree of a harmonic: from 0 to 100");
-  require(std::abs(p.order) <= p.degree, "the order of a harmonic: from -degree to degree");
+  check_range(limits::degree, p.degree);
+  check_range({"order", -1.0 * p.degree, 1.0 * p.degree}, p.order);
 }
 
 }  // namespace
 
-double real_harmonic(int degree, int order, const Direction& d) {
+double real_harmonic(int degree, int order, const Direction& towards) {
+  check_range({"degree", 0, limits::order.most}, degree);
+  check_range({"order", -1.0 * degree, 1.0 * degree}, order);
+  const Direction d = checked_direction("d", towards);
   const int m = std::abs(order);
   const double y = d.y, sine = std::sqrt(d.x * d.x + d.z * d.z), longitude = portable::atan2(d.x, d.z);
   double previous = 0, current = legendre::first();
@@ -320,7 +321,7 @@ double real_harmonic(int degree, int order, const Direction& d) {
 
 EnvironmentMap generate(const Pattern& pattern, const Frame& to, int size, const Run& run) {
   std::visit([](const auto& p) { check(p); }, pattern);
-  check(limits::size, size);
+  check_range(limits::size, size);
   EnvironmentMap map = blank_map(to, size);
   carry_out(run,
             [&](const Progress& progress) { std::visit([&](const auto& p) { fill(p, map, progress); }, pattern); });

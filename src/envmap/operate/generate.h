@@ -5,6 +5,7 @@
 #include <optional>
 #include <variant>
 
+#include "envmap/base/bounds.h"
 #include "envmap/base/export.h"
 #include "envmap/base/run.h"
 #include "envmap/map/environment_map.h"
@@ -46,7 +47,7 @@ struct Sky {
 /// A disc of even radiance over a sky. Each texel holds its mean, so that the sun's flux is
 /// 2 pi (1 - cos radius) x radiance at any size.
 struct Sun {
-  Direction towards{0, 0, 1};  ///< Unit vector, world frame.
+  Direction towards{0, 0, 1};  ///< Of any length, world frame.
   double radius_degrees = 0.2666;
   Rgb<double> radiance{1e5};
   Sky sky = {};
@@ -60,9 +61,16 @@ struct Harmonic {
   double base = 1, amplitude = 0.5;
 };
 
+namespace limits {
+inline constexpr Bounds disc_radius{"radius_degrees", 1e-9, 180};  ///< Of Sun.
+inline constexpr Bounds squares{"squares", 1, 1e9};                ///< Of Checker.
+inline constexpr Bounds degree{"degree", 0, 100};                  ///< Of Harmonic.
+}  // namespace limits
+
 using Pattern = std::variant<Constant, Gradient, Checker, Directions, Faces, Sun, Sky, Harmonic>;
 
-/// Value of the real orthonormal harmonic described at Harmonic. |order| <= degree.
+/// Value of the real orthonormal harmonic described at Harmonic. @param d of any length.
+/// @throws UsageError where the degree is not 0 to 200 or the order not -degree to degree, or d is 0, NaN or infinite.
 double real_harmonic(int degree, int order, const Direction& d);
 
 /// @throws UsageError where the pattern would hold negative radiance or its parameters make no sense.

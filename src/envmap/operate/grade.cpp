@@ -7,6 +7,7 @@
 
 #include "envmap/base/error.h"
 #include "envmap/base/parallel.h"
+#include "envmap/maths/check_direction.h"
 #include "envmap/maths/portable.h"
 #include "envmap/maths/sum.h"
 #include "envmap/operate/check_options.h"
@@ -80,7 +81,7 @@ Integral integral(const EnvironmentMap& map, const Direction& normal, const Weig
 void apply(const Grade& grade, Level& level) {
   check_not_negative("gain", grade.gain);
   check_finite("luminance", grade.luminance);  // Blue of ACES2065-1 counts below 0.
-  check(limits::saturation, grade.saturation);
+  check_range(limits::saturation, grade.saturation);
   require_finite(level);
   for_each_row(level.faces(), level.height(), {}, [&](int face, int j) {
     for (Colour& texel : level.row(face, j)) {
@@ -120,15 +121,14 @@ std::int64_t into_gamut(Level& level, const Flux& luminance) {
 }
 
 Flux irradiance(const EnvironmentMap& map, const Direction& normal) {
-  check_direction("normal", normal);
-  return integral(map, normal, [](double cosine) { return std::max(0.0, cosine); }).light;
+  return integral(map, checked_direction("normal", normal), [](double cosine) { return std::max(0.0, cosine); }).light;
 }
 
 Flux radiance_within(const EnvironmentMap& map, const Direction& towards, double degrees) {
-  check_direction("towards", towards);
-  check({"degrees", 0, 180}, degrees);
+  const Direction middle = checked_direction("towards", towards);
+  check_range({"degrees", 0, 180}, degrees);
   const double least_cosine = portable::cos(degrees * pi / 180);
-  const Integral seen = integral(map, towards, [=](double cosine) { return cosine >= least_cosine ? 1.0 : 0.0; });
+  const Integral seen = integral(map, middle, [=](double cosine) { return cosine >= least_cosine ? 1.0 : 0.0; });
   return seen.weight > 0 ? seen.light / seen.weight : Flux(0);
 }
 

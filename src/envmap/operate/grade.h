@@ -33,11 +33,12 @@ std::int64_t into_gamut(Level& level, const Flux& luminance);
 
 /// Irradiance of a plane that faces a direction: the integral of L max(0, n.l), per channel, of level 0. Each texel is
 /// taken as constant and cut into as many parts as make 512 rows from pole to pole or more: to 1e-5 of all light, 0.003
-/// in maps of discs (rims). NaN and infinite texels count as 0. @param normal unit vector of the world.
+/// in maps of discs (rims). NaN and infinite texels count as 0. @param normal of the world, of any length.
+/// @throws UsageError where it is 0, NaN or infinite, here and below.
 Flux irradiance(const EnvironmentMap& map, const Direction& normal);
 
 /// Mean radiance of the parts of texels (as above) with their middle within so many degrees of a direction; of 1 degree
-/// and more there is always one. @param towards unit vector of the world.
+/// and more there is always one. @param towards of the world, of any length.
 Flux radiance_within(const EnvironmentMap& map, const Direction& towards, double degrees);
 
 /// Gains that make a light of this colour grey and keep its luminance. @throws UsageError where a channel is 0.

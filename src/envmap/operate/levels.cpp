@@ -93,7 +93,7 @@ void fill_beyond_disc(Level& level) {
 
 void check_levels(const std::vector<Level>& levels, int count) {
   if (levels.empty()) throw UsageError("a map needs a level; this one has none");
-  if (count != 0) check(limits::levels, count);
+  if (count != 0) check_range(limits::levels, count);
   require_finite(levels.back());  // Means of finite texels are finite.
 }
 
@@ -106,8 +106,9 @@ Level half_level(const Level& fine, Weights weights) {
 }
 
 Level coarser_level(const Level& fine, int width, int height, Weights weights) {
-  check({"width", 1, double(fine.width())}, width);
-  check({"height", 1, double(fine.height())}, height);
+  check_enumerator("weights", weights);
+  check_range({"width", 1, double(fine.width())}, width);
+  check_range({"height", 1, double(fine.height())}, height);
   Level coarse(fine.projection(), height, width, fine.max_memory());
   const Cells across = cells(fine.width(), coarse.width()), down = cells(fine.height(), coarse.height());
   // Rows as far from the top as from the bottom share their weights, as do all faces.
@@ -138,7 +139,7 @@ Level coarser_level(const Level& fine, int width, int height, Weights weights) {
 
 void add_levels_with_border(std::vector<Level>& levels, int border, Weights weights, int count) {
   check_levels(levels, count);
-  check(limits::border, border);
+  check_range(limits::border, border);
   const int whole = levels.front().height() + 2 * border;
   for (int k = int(levels.size()); (whole >> k) > 2 * border && (count == 0 || k < count); ++k) {
     const int size = (whole >> k) - 2 * border;

@@ -2,8 +2,10 @@
 /// Mip levels that keep the light: every texel is the solid-angle weighted mean of what it covers in the level before.
 #pragma once
 
+#include <iterator>
 #include <string_view>
 
+#include "envmap/base/enumerators.h"
 #include "envmap/base/export.h"
 #include "envmap/map/environment_map.h"
 
@@ -14,6 +16,8 @@ namespace ENVMAP_EXPORT envmap {
 enum class Weights { solid_angle, uniform };
 
 inline constexpr std::string_view weight_names[] = {"solid-angle", "uniform"};
+template <>
+inline constexpr std::size_t enumerators<Weights> = std::size(weight_names);
 
 /// Whether there is a level after: a face has more than one texel.
 bool has_next(const Level& level);

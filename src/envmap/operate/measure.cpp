@@ -267,10 +267,23 @@ double best_exposure(const Level& a, const Level& b) {
   return all.power.value() > 0 && all.product.value() > 0 ? all.product.value() / all.power.value() : 1;
 }
 
-Difference compare(const EnvironmentMap& a, const EnvironmentMap& b) {
+MapDifference compare(const EnvironmentMap& a, const EnvironmentMap& b) {
   if (a.frame().forward != b.frame().forward)
     throw UsageError("maps to compare must have one forward axis: convert() one of them");
-  return compare(a.base(), b.base());
+  if (a.levels.size() != b.levels.size())
+    throw UsageError(fmt::format("maps to compare must have the same number of levels, not {} and {}: compare single "
+                                 "levels, or make the missing ones by add_levels()",
+                                 a.levels.size(), b.levels.size()));
+  MapDifference all{};
+  all.maximum = -1;
+  for (std::size_t k = 0; k < a.levels.size(); ++k) {
+    const Difference& d = all.levels.emplace_back(compare(a.levels[k], b.levels[k]));
+    for (int c = 0; c < 3; ++c)
+      if (!(std::abs(d.flux[c]) <= std::abs(all.flux[c]))) all.flux[c] = d.flux[c];
+    all.rms = std::max(all.rms, d.rms);
+    if (d.maximum > all.maximum) all.maximum = d.maximum, all.worst = d.worst, all.worst_level = int(k);
+  }
+  return all;
 }
 
 Difference compare(const Level& a, const Level& b, Level* shown) {

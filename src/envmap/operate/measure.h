@@ -80,7 +80,15 @@ double best_exposure(const Level& a, const Level& b);
 /// @param shown if given, is set to |a-b| per texel. @throws UsageError where the levels, or `shown`, differ in
 /// projection or size, InputError where one holds NaN or infinity.
 Difference compare(const Level& a, const Level& b, Level* shown = nullptr);
-/// Level 0 of both. @throws UsageError where they differ in their forward axis, too.
-Difference compare(const EnvironmentMap& a, const EnvironmentMap& b);
+
+/// Of all levels of two maps. The figures of the base class are the largest of any level, so that a limit which they
+/// keep is kept by every level; of `flux` the largest of each channel in size, with its sign.
+struct MapDifference : Difference {
+  std::vector<Difference> levels;  ///< One for each, level 0 first.
+  int worst_level = 0;             ///< The level of `maximum` and `worst`.
+};
+
+/// Level by level. @throws UsageError where the maps differ in their forward axis or in how many levels they have, too.
+MapDifference compare(const EnvironmentMap& a, const EnvironmentMap& b);
 
 }  // namespace envmap

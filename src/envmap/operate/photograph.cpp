@@ -6,6 +6,7 @@
 
 #include "envmap/base/error.h"
 #include "envmap/base/parallel.h"
+#include "envmap/maths/check_direction.h"
 #include "envmap/maths/portable.h"
 #include "envmap/operate/check_options.h"
 #include "envmap/operate/refuse_flaws.h"
@@ -25,15 +26,14 @@ double half_height(const PhotographOptions& o) {
 }
 
 void check(const PhotographOptions& o) {
-  check(limits::picture_width, o.width);
-  check(limits::picture_height, o.height);
-  if (o.samples) check(limits::samples, *o.samples);
-  check(limits::gain, o.gain);
+  check_range(limits::picture_width, o.width);
+  check_range(limits::picture_height, o.height);
+  if (o.samples) check_range(limits::samples, *o.samples);
+  check_range(limits::gain, o.gain);
   check_rotation("rotation", o.rotation);
-  check_direction("towards", o.towards);
-  if (!(o.field_radians > 0 && (o.lens == CameraModel::fisheye ? o.field_radians <= 2 * pi : o.field_radians < pi)))
-    throw UsageError(
-        "a fisheye sees more than 0 and up to 360 degrees from bottom to top, other pictures less than 180");
+  check_enumerator("lens", o.lens);
+  check_enumerator("filter", o.filter);
+  check_range({"field_radians", 1e-9, o.lens == CameraModel::fisheye ? 2 * pi : pi - 1e-9}, o.field_radians);
   if (o.filter != Filter::nearest && o.filter != Filter::bilinear && o.filter != Filter::bicubic)
     throw UsageError("pictures take the filters nearest, bilinear and bicubic");
   if (o.lens == CameraModel::cylinder && angle_across(o) > 2 * pi * (1 + 1e-12))
@@ -83,7 +83,10 @@ void sample(const PaddedLevel& base, Filter filter, std::span<const Direction> d
 
 }  // namespace
 
-double angle_across(const PhotographOptions& o) { return 2 * half_height(o) * o.width / o.height; }
+double angle_across(const PhotographOptions& o) {
+  check_range(limits::picture_height, o.height);
+  return 2 * half_height(o) * o.width / o.height;
+}
 
 int samples_of(const PhotographOptions& o, const Level& source) {
   if (o.samples) return *o.samples;
@@ -95,6 +98,7 @@ int samples_of(const PhotographOptions& o, const Level& source) {
 
 std::vector<Colour> photograph(EnvironmentMap source, const PhotographOptions& o, const Run& run) {
   check(o);
+  const Direction towards = glm::normalize(checked_direction("towards", o.towards));
   require_finite(source);
   const Camera camera{.lens = o.lens,
                       .half = half_height(o),
@@ -103,7 +107,7 @@ std::vector<Colour> photograph(EnvironmentMap source, const PhotographOptions& o
                       .height = o.height,
                       .samples = samples_of(o, source.base()),
                       .to_image = glm::transpose(image_to_world(source.forward)) * glm::transpose(o.rotation) *
-                                  upright_about(glm::normalize(o.towards))};
+                                  upright_about(towards)};
   const PaddedLevel base(std::move(source.base()));
   const auto width = std::size_t(o.width), each = std::size_t(camera.samples * camera.samples);
   std::vector<Colour> picture(width * std::size_t(o.height));

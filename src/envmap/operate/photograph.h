@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "envmap/base/enumerators.h"
 #include "envmap/base/export.h"
 #include "envmap/base/run.h"
 #include "envmap/map/environment_map.h"
@@ -21,6 +22,8 @@ namespace ENVMAP_EXPORT envmap {
 /// - cylinder: columns are turns about the vertical, heights go with the tangent.
 enum class CameraModel { perspective, fisheye, cylinder };
 inline constexpr std::array<std::string_view, 3> camera_model_names{"perspective", "fisheye", "cylinder"};
+template <>
+inline constexpr std::size_t enumerators<CameraModel> = camera_model_names.size();
 
 struct PhotographOptions {
   CameraModel lens = CameraModel::perspective;

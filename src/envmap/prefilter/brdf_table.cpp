@@ -140,15 +140,15 @@ HWY_EXPORT(BrdfRow);
 // a peak about d = 0 of the width a, and about psi = 0 of sqrt((A - B) / (A + B)). Light above the horizon is all that
 // is integrated over: nothing breaks off within the range of the rules.
 std::vector<ScaleBias> brdf(std::span<const double> cosines, double roughness) {
-  for (const double cosine : cosines) check(limits::cosine, cosine);
-  check(limits::roughness, roughness);
+  for (const double cosine : cosines) check_range(limits::cosine, cosine);
+  check_range(limits::roughness, roughness);
   std::vector<ScaleBias> found(cosines.size());
   HWY_DYNAMIC_DISPATCH(prefiltering::BrdfRow)(cosines, roughness, found);
   return found;
 }
 
 std::vector<Colour> brdf_table(int size, const Run& run) {
-  check(limits::table_size, size);
+  check_range(limits::table_size, size);
   const auto n = std::size_t(size);
   std::vector<double> cosines;
   for (int i = 0; i < size; ++i) cosines.push_back((i + 0.5) / size);

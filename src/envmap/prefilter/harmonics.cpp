@@ -10,6 +10,7 @@
 #include "envmap/base/carry_out.h"
 #include "envmap/base/error.h"
 #include "envmap/base/parallel.h"
+#include "envmap/maths/check_direction.h"
 #include "envmap/maths/legendre.h"
 #include "envmap/maths/portable.h"
 #include "envmap/maths/quadrature.h"
@@ -154,7 +155,7 @@ class LatlongRows {
 
 std::size_t coefficient_count(int order) { return std::size_t(order + 1) * std::size_t(order + 1); }
 
-void check_order(int order) { check(limits::order, order); }
+void check_order(int order) { check_range(limits::order, order); }
 
 void check_series(const Harmonics& h) {
   check_order(h.order);
@@ -165,11 +166,11 @@ void check_series(const Harmonics& h) {
 
 }  // namespace
 
-void harmonics_at(int order, const Direction& d, std::span<double> out) {
+void harmonics_at(int order, const Direction& towards, std::span<double> out) {
   check_order(order);
   if (out.size() < coefficient_count(order))
     throw UsageError(fmt::format("out must hold {} values, not {}", coefficient_count(order), out.size()));
-  Recursion(order).each(d, [&](int k, double y) { out[std::size_t(k)] = y; });
+  Recursion(order).each(checked_direction("d", towards), [&](int k, double y) { out[std::size_t(k)] = y; });
 }
 
 Harmonics project(const EnvironmentMap& map, int order, const Run& run) {
@@ -208,16 +209,15 @@ Harmonics project(const EnvironmentMap& map, int order, const Run& run) {
 Flux evaluate(const Harmonics& h, const Direction& d) {
   check_series(h);
   Flux sum(0);
-  Recursion(h.order).each(d, [&](int k, double y) { sum += y * h.coefficients[std::size_t(k)]; });
+  Recursion(h.order).each(checked_direction("d", d),
+                          [&](int k, double y) { sum += y * h.coefficients[std::size_t(k)]; });
   return sum;
 }
 
 EnvironmentMap evaluate(const Harmonics& h, Projection to, int size, Forward forward) {
   check_series(h);
-  check(limits::size, size);
-  EnvironmentMap map;
-  map.levels.emplace_back(to, size);
-  map.forward = has_forward(to) ? forward : Forward::plus_z;
+  check_range(limits::size, size);
+  EnvironmentMap map = blank_map({to, forward}, size);
   Level& level = map.base();
   const Recursion recursion(h.order);
   const Rotation to_world = image_to_world(map.forward);
@@ -235,7 +235,7 @@ EnvironmentMap evaluate(const Harmonics& h, Projection to, int size, Forward for
 }
 
 std::vector<double> zonal(const Lobe& lobe, int order) {
-  check({"order", 0, 100000}, order);
+  check_range({"order", 0, 100000}, order);
   const auto value = [&](double x) { return std::visit([x](const auto& l) { return l.value(x); }, lobe); };
   // Panels that halve towards the middle of the lobe, as far as it changes, and towards the horizon,
   // where it may be bent.

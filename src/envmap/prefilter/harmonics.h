@@ -25,14 +25,15 @@ struct Harmonics {
 
 /// Functions throw UsageError where an order is out of its range (bounds.h) or an array has the wrong length.
 
-/// Values of all harmonics up to an order in one direction. @param out (order + 1)^2 values.
+/// Values of all harmonics up to an order in one direction, of any length. @param out (order + 1)^2 values.
+/// @throws UsageError where the direction is 0, NaN or infinite, here and below.
 void harmonics_at(int order, const Direction& d, std::span<double> out);
 
 /// Coefficients of the radiance of a map, world frame: the integral of L Y over the sphere, L constant over each texel.
 /// @throws InputError where a texel is NaN or infinite.
 Harmonics project(const EnvironmentMap& map, int order, const Run& run = {});
 
-/// Value of the series in a direction.
+/// Value of the series in a direction, of any length.
 Flux evaluate(const Harmonics& h, const Direction& d);
 
 /// The series as a map; what is below 0 in it, between the rings of bright lights, is cut to 0. @return the map.

@@ -15,6 +15,7 @@
 #include "envmap/base/parallel.h"
 #include "envmap/base/part_progress.h"
 #include "envmap/map/atlas.h"
+#include "envmap/map/check_chain.h"
 #include "envmap/operate/convert.h"
 #include "envmap/operate/measure.h"
 #include "envmap/operate/refuse_flaws.h"
@@ -112,9 +113,13 @@ void make_lobe(PreparedSource& from, const Prefilter& wanted, const Target& targ
 }
 
 void check(const Prefilter& p) {
-  check(limits::size, p.size);
-  check(limits::max_error, p.max_error);
-  if (p.scale) check(limits::scale, *p.scale);
+  check_enumerator("shape", p.shape);
+  check_enumerator("to", p.to);
+  check_enumerator("method", p.method);
+  check_enumerator("forward", p.forward);
+  check_range(limits::size, p.size);
+  check_range(limits::max_error, p.max_error);
+  if (p.scale) check_range(limits::scale, *p.scale);
   const std::size_t rows = std::size_t(faces(p.to)) * std::size_t(p.size);
   if (!p.rows.empty() && p.rows.size() != rows)
     throw UsageError(
@@ -122,8 +127,22 @@ void check(const Prefilter& p) {
   (void)lobe_of(p);
 }
 
+// The field is `parameter`, whatever the lobe calls it.
+void check_parameter(const Prefilter& p) {
+  const std::string_view shape = shape_names[number_of("shape", p.shape)];
+  const bool given = !std::isnan(p.parameter);
+  if (p.shape == Shape::diffuse) {
+    if (given) throw UsageError(fmt::format("{} takes no parameter: leave it unset, not {:g}", shape, p.parameter));
+    return;
+  }
+  const bool power = p.shape == Shape::phong || p.shape == Shape::blinn_phong;
+  const Bounds& range = power ? limits::exponent : limits::roughness;
+  if (!given) throw UsageError(fmt::format("{} needs a parameter, its {}: it is unset, or NaN", shape, range.field));
+  check_range({"parameter", range.least, range.most}, p.parameter);
+}
+
 Lobe lobe_by_shape(const Prefilter& p) {
-  if (p.shape == Shape::phong || p.shape == Shape::blinn_phong) check(limits::exponent, p.parameter);
+  check_parameter(p);
   switch (p.shape) {
     case Shape::diffuse: return Cosine{};
     case Shape::phong: return p.parameter == 1 ? Lobe(Cosine{}) : Lobe(Phong{p.parameter});
@@ -131,7 +150,6 @@ Lobe lobe_by_shape(const Prefilter& p) {
     case Shape::ggx:
     case Shape::charlie: break;
   }
-  check(limits::roughness, p.parameter);
   if (p.shape == Shape::ggx) return Ggx(p.parameter);
   return Charlie(p.parameter);
 }
@@ -139,7 +157,7 @@ Lobe lobe_by_shape(const Prefilter& p) {
 }  // namespace
 
 std::string_view method_name(const Prefiltered& done) {
-  return done.resampled ? name(*done.resampled) : method_names[std::size_t(done.method)];
+  return done.resampled ? name(*done.resampled) : method_names[number_of("method", done.method)];
 }
 
 Lobe lobe_of(const Prefilter& p) {
@@ -193,13 +211,17 @@ PrefilteredChain PrefilterSource::make_chain(const Prefilter& base, std::span<co
   if (parameters.empty()) throw UsageError("parameters must not be empty: a chain has a level for each");
   if (!base.rows.empty()) throw UsageError("rows must be empty: a chain is made whole");
   std::vector<Prefilter> wanted(parameters.size(), base);
+  std::vector<LevelSize> sizes;
   double texels = 0;
   for (std::size_t k = 0; k < wanted.size(); ++k) {
     wanted[k].parameter = parameters[k];
     if (k > 0) wanted[k].size = std::max(1, wanted[k - 1].size / 2);
     check(wanted[k]);
+    sizes.push_back({wanted[k].size * aspect(base.to), wanted[k].size});
     texels += texel_count(base.to, wanted[k].size);
   }
+  check_level_count(sizes.front(), sizes.size());
+  check_halving(sizes);
   return carry_out(run, [&](const Progress& progress) {
     PrefilteredChain chain{.map = {.levels = {}, .forward = {}}, .levels = {}};
     double done = 0;

@@ -2,6 +2,7 @@
 /// Diffuse, Phong and GGX maps, by the method that meets an error.
 #pragma once
 
+#include <iterator>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -9,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "envmap/base/enumerators.h"
 #include "envmap/base/export.h"
 #include "envmap/base/run.h"
 #include "envmap/map/environment_map.h"
@@ -24,9 +26,13 @@ namespace ENVMAP_EXPORT envmap {
 enum class Shape { diffuse, phong, ggx, blinn_phong, charlie };
 inline constexpr std::string_view shape_names[] = {Cosine::name, Phong::name, Ggx::name, BlinnPhong::name,
                                                    Charlie::name};
+template <>
+inline constexpr std::size_t enumerators<Shape> = std::size(shape_names);
 
 enum class Method { automatic, exact, treecode, prefix_sums, multilevel };
 inline constexpr std::string_view method_names[] = {"auto", "exact", "treecode", "prefix-sums", "multilevel"};
+template <>
+inline constexpr std::size_t enumerators<Method> = std::size(method_names);
 /// What the treecode was called up to version 1.0.
 inline constexpr std::string_view former_name_of_treecode = "hierarchical";
 
@@ -43,7 +49,8 @@ inline constexpr double unset_parameter = std::numeric_limits<double>::quiet_NaN
 ///   charlie      the same with D(h) = sin(n,h)^(1/a), a = roughness^2
 struct Prefilter {
   Shape shape = Shape::diffuse;
-  /// Exponent m of phong and blinn-phong, or perceptual roughness from 0 to 1. Unset: an error, but of diffuse.
+  /// Exponent m of phong and blinn-phong, 0 to 1e9, or perceptual roughness of ggx and charlie, 0 to 1: they need one.
+  /// diffuse has none, and refuses one.
   double parameter = unset_parameter;
   std::optional<double> scale = {};  ///< k; otherwise white stays 1.
   Projection to = Projection::cube;
@@ -81,7 +88,7 @@ std::string_view method_name(const Prefiltered& done);
 /// grid. Else each texel is the mean of the source over it, by the area filter, so that flux is kept.
 inline bool is_mirror(const Prefilter& p) { return p.shape == Shape::ggx && p.parameter == 0; }
 
-/// @throws UsageError where the parameter is out of its range.
+/// @throws UsageError where the parameter is out of its range, or set where the lobe has none.
 Lobe lobe_of(const Prefilter& wanted);
 
 /// A map prepared for prefiltering: many lobes share the work. Safe for several threads at once: they take turns, and
@@ -111,7 +118,8 @@ class PrefilterSource {
   /// Makes the levels of a chain: level k is as `base` with parameter k, and its height is base.size / 2^k, rounded
   /// down, at least 1. level_roughnesses() has the parameters that engines look for.
   /// @param base `parameter` has no meaning, and `rows` must be empty.
-  /// @throws UsageError where a field is out of its range (bounds.h).
+  /// @throws UsageError where a field is out of its range (bounds.h), or where there are more levels than halve the
+  /// first down to one texel: write() and pack() take no others.
   PrefilteredChain make_chain(const Prefilter& base, std::span<const double> parameters, const Run& run = {}) const;
 
  private:

@@ -42,8 +42,8 @@ std::vector<Sample> samples_for(double view) {
 }  // namespace
 
 std::vector<double> sheen_albedo(double cosine, std::span<const double> roughnesses) {
-  check(limits::cosine, cosine);
-  for (const double roughness : roughnesses) check(limits::roughness, roughness);
+  check_range(limits::cosine, cosine);
+  for (const double roughness : roughnesses) check_range(limits::roughness, roughness);
   const std::vector<Sample> samples = samples_for(cosine);
   std::vector<double> albedos;
   for (const double roughness : roughnesses) {
@@ -57,7 +57,7 @@ std::vector<double> sheen_albedo(double cosine, std::span<const double> roughnes
 }
 
 std::vector<Colour> sheen_table(int size, const Run& run) {
-  check(limits::table_size, size);
+  check_range(limits::table_size, size);
   const auto n = std::size_t(size);
   std::vector<double> roughnesses;
   for (int j = 0; j < size; ++j) roughnesses.push_back((j + 0.5) / size);

@@ -149,15 +149,15 @@ class Irradiance {
 }  // namespace
 
 std::vector<double> hann_window(int order) {
-  check(limits::order, order);
+  check_range(limits::order, order);
   std::vector<double> factors;
   for (int l = 0; l <= order; ++l) factors.push_back(0.5 + 0.5 * portable::cos(pi * l / (order + 1)));
   return factors;
 }
 
 std::vector<double> laplacian_window(int order, double lambda) {
-  check(limits::order, order);
-  check({"lambda", 0, 1e30}, lambda);
+  check_range(limits::order, order);
+  check_range({"lambda", 0, 1e30}, lambda);
   std::vector<double> factors;
   for (int l = 0; l <= order; ++l) {
     const double laplacian = 1.0 * l * (l + 1);
@@ -167,7 +167,7 @@ std::vector<double> laplacian_window(int order, double lambda) {
 }
 
 Deringing weakest_window(const Harmonics& radiance) {
-  check({"order", 0, max_deringed_order}, radiance.order);
+  check_range({"order", 0, max_deringed_order}, radiance.order);
   const Irradiance irradiance(radiance);
   const auto negative = [&](double lambda) { return irradiance.negative(laplacian_window(radiance.order, lambda)); };
   if (!negative(0)) return {};

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "envmap/base/bounds.h"
+#include "envmap/maths/check_direction.h"
 #include "envmap/maths/portable.h"
 
 namespace envmap {
@@ -26,18 +28,30 @@ double half_tangent(double distance, double sine, double cosine) {
   return t;
 }
 
+void check_distance(double distance) { check_range({"distance", BallCamera::nearest, BallCamera::farthest}, distance); }
+
 }  // namespace
 
-BallCamera BallCamera::of_field_of_view(double degrees) { return {1 / portable::sin(degrees * (pi / 360))}; }
+BallCamera BallCamera::of_field_of_view(double degrees) {
+  check_range({"degrees", 0, 180}, degrees);
+  const BallCamera camera{1 / portable::sin(degrees * (pi / 360))};
+  check_distance(camera.distance);
+  return camera;
+}
 
-double BallCamera::blind_angle() const { return portable::atan2(1, cotangent(distance)); }
+double BallCamera::blind_angle() const {
+  check_distance(distance);
+  return portable::atan2(1, cotangent(distance));
+}
 
 double BallCamera::blind_part() const {
   const double sine = portable::sin(0.5 * blind_angle());
   return sine * sine;
 }
 
-Direction BallCamera::seen_from_afar(const Direction& d) const {
+Direction BallCamera::seen_from_afar(const Direction& towards) const {
+  check_distance(distance);
+  const Direction d = checked_direction("d", towards);
   const double last = -cotangent(distance) / distance;  // The z at which directions cease to be seen.
   const double across = std::sqrt(d.x * d.x + d.y * d.y), seen_across = d.z < last ? 1 / distance : across;
   const double z = std::max(d.z, last);

@@ -20,12 +20,13 @@ struct BallCamera {
   double distance;  ///< From the camera to the ball's centre, in radii of the ball.
 
   /// @param degrees the angle at the camera that the ball fills from one side to the other: 2 A.
+  /// @throws UsageError, here and below, where the distance is not `nearest` to `farthest`.
   static BallCamera of_field_of_view(double degrees);
 
   [[nodiscard]] double blind_angle() const;  ///< A in radians.
   [[nodiscard]] double blind_part() const;   ///< Of all directions, how many are not seen: (1 - cos A) / 2.
 
-  /// What the sphere projection shows at the place where the photo shows a direction (unit vectors both). On the axis
+  /// What the sphere projection shows at the place where the photo shows a direction. On the axis
   /// that is the direction itself; what the photo does not show is at its rim, on the same side.
   [[nodiscard]] Direction seen_from_afar(const Direction& d) const;
 };

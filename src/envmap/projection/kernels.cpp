@@ -4,7 +4,11 @@
 #include <bit>
 #include <cstddef>
 #include <cstring>
+#include <vector>
 
+#include "envmap/base/bounds.h"
+#include "envmap/base/check_length.h"
+#include "envmap/maths/check_direction.h"
 #include "envmap/projection/projection.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -138,15 +142,32 @@ HWY_EXPORT(TexelDirections);
 HWY_EXPORT(Directions);
 HWY_EXPORT(Locate);
 
+namespace {
+
+void check_face(Projection p, int face) { check_range({"face", 0, faces(p) - 1.0}, face); }
+
+}  // namespace
+
 void texel_directions(Projection p, int size, int face, int row, int first, std::span<Direction> out) {
+  check_face(p, face);
+  check_range({"size", 1, 1e9}, size);
+  check_range({"row", 0, size - 1.0}, row);
   HWY_DYNAMIC_DISPATCH(TexelDirections)(p, size, face, row, first, out);
 }
 
 void directions(Projection p, int face, std::span<const Point2> points, std::span<Direction> out) {
+  check_face(p, face);
+  check_length("out", out.size(), points.size());
   HWY_DYNAMIC_DISPATCH(Directions)(p, face, points, out);
 }
 
 void locate(Projection p, std::span<const Direction> directions, std::span<Location<double>> out) {
+  check_length("out", out.size(), directions.size());
+  std::vector<Direction> units;
+  if (!std::ranges::all_of(directions, is_unit)) {
+    for (const Direction& d : directions) units.push_back(checked_direction("direction", d));
+    directions = units;
+  }
   HWY_DYNAMIC_DISPATCH(Locate)(p, directions, out);
 }
 

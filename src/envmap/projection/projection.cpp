@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "envmap/base/bounds.h"
+#include "envmap/base/check_length.h"
 #include "envmap/projection/visit.h"
 
 namespace envmap {
@@ -12,9 +13,11 @@ namespace {
 
 // Of a finer grid than any map's: filters sample n x n places a texel.
 void check_row(int size, int row) {
-  check({"size", 1, 1e9}, size);
-  check({"row", 0, size - 1.0}, row);
+  check_range({"size", 1, 1e9}, size);
+  check_range({"row", 0, size - 1.0}, row);
 }
+
+void check_face(Projection p, int face) { check_range({"face", 0, faces(p) - 1.0}, face); }
 
 }  // namespace
 
@@ -65,7 +68,7 @@ std::optional<Projection> projection_named(std::string_view wanted) {
 }
 
 int matching_size(Projection from, int size, Projection to) {
-  check(limits::level_height, size);
+  check_range(limits::level_height, size);
   const auto span = [](Projection p) { return visit(p, [](auto q) { return decltype(q)::span; }); };
   return std::max(1, int(std::lround(size * span(to) / span(from))));
 }
@@ -87,6 +90,7 @@ Columns disc_columns(int size, int row) {
 }
 
 int facet(Projection p, const Location<double>& at) {
+  check_face(p, at.face);
   return visit(p, [&](auto q) {
     using P = decltype(q);
     if constexpr (Faceted<P>)
@@ -97,8 +101,16 @@ int facet(Projection p, const Location<double>& at) {
 }
 
 void facet_densities(Projection p, int facet, std::span<const Point2> points, std::span<double> out) {
+  check_length("out", out.size(), points.size());
   visit(p, [&](auto q) {
     using P = decltype(q);
+    constexpr int facets = [] {
+      if constexpr (Faceted<P>)
+        return int(P::facets);
+      else
+        return int(P::faces);
+    }();
+    check_range({"facet", 0, facets - 1.0}, facet);
     if constexpr (Faceted<P>)
       std::ranges::transform(points, out.begin(),
                              [facet](const Point2& at) { return P::continued_density(facet, at.x, at.y); });
@@ -108,6 +120,7 @@ void facet_densities(Projection p, int facet, std::span<const Point2> points, st
 }
 
 void densities(Projection p, std::span<const Point2> points, std::span<double> out) {
+  check_length("out", out.size(), points.size());
   visit(p, [&](auto q) {
     using P = decltype(q);
     for (std::size_t k = 0; k < points.size(); ++k)
@@ -136,6 +149,7 @@ void solid_angles(Projection p, int size, int row, std::span<double> out) {
 }
 
 void solid_angles(Projection p, std::span<const double> edges, double v0, double v1, std::span<double> out) {
+  check_length("edges", edges.size(), out.size() + 1);
   visit(p, [&](auto q) {
     using P = decltype(q);
     if constexpr (std::is_same_v<P, Latlong>) {
@@ -148,6 +162,7 @@ void solid_angles(Projection p, std::span<const double> edges, double v0, double
 }
 
 Derivative derivative(Projection p, const Location<double>& at, double step) {
+  check_face(p, at.face);
   return visit(p, [&](auto q) -> Derivative {
     using P = decltype(q);
     const Location<double> in = [&] {

@@ -3,11 +3,13 @@
 /// spans at a time.
 #pragma once
 
+#include <iterator>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 
+#include "envmap/base/enumerators.h"
 #include "envmap/base/export.h"
 #include "envmap/maths/vector.h"
 
@@ -19,6 +21,8 @@ enum class Projection { latlong, cube, sphere, paraboloid, angular, octahedral, 
 inline constexpr Projection all_projections[] = {Projection::latlong,    Projection::cube,    Projection::sphere,
                                                  Projection::paraboloid, Projection::angular, Projection::octahedral,
                                                  Projection::equal_area};
+template <>
+inline constexpr std::size_t enumerators<Projection> = std::size(all_projections);
 
 /// A point of a face: u runs right and v down, both [0,1]; texel (i,j) of W x H has its centre at ((i+.5)/W, (j+.5)/H).
 template <class T>
@@ -60,13 +64,15 @@ Columns disc_columns(int size, int row);
 
 /// Unit vectors (image frame) at the centres of texels [first, first + out.size()) of a row of a face `size` high.
 /// A texel whose centre lies outside the disc but which reaches into it is sampled inside: half way between its
-/// innermost corner and the rim.
+/// innermost corner and the rim. @throws UsageError where the projection has no such face or the face no such row.
 void texel_directions(Projection p, int size, int face, int row, int first, std::span<Direction> out);
 
-/// Unit vectors at points of one face.
+/// Unit vectors at points of one face. Here and below `out` is as long as what it is computed from.
+/// @throws UsageError where it is not, or where there is no such face.
 void directions(Projection p, int face, std::span<const Point2> points, std::span<Direction> out);
 
-/// Where each direction lies. Sizes must agree.
+/// Where each direction lies. Directions may be of any length.
+/// @throws UsageError where `out` is not as long as `directions`, or a direction is 0, NaN or infinite.
 void locate(Projection p, std::span<const Direction> directions, std::span<Location<double>> out);
 
 /// The part of a face that holds a place and within which a map is smooth: the face itself, or of octahedral maps an

@@ -22,15 +22,15 @@ namespace envmap {
 template <class P>
 concept ProjectionType = requires(int face, double u, double v, const Direction& d, const Rect& rect) {
   { P::id } -> std::convertible_to<Projection>;
-  { P::name } -> std::convertible_to<const char*>;      // As users type it.
+  { P::name } -> std::convertible_to<const char*>;  // As users type it.
   { P::faces } -> std::convertible_to<int>;
-  { P::aspect } -> std::convertible_to<int>;            // Width over height of a face.
-  { P::span } -> std::convertible_to<double>;           // Degrees of arc along the height of a face.
+  { P::aspect } -> std::convertible_to<int>;   // Width over height of a face.
+  { P::span } -> std::convertible_to<double>;  // Degrees of arc along the height of a face.
   // No direction moves faster for a step in s, t; infinite of a disc.
   { P::stretch } -> std::convertible_to<double>;
-  { P::on_disc } -> std::convertible_to<bool>;          // Only the unit disc of a face carries weight.
-  { P::filled } -> std::convertible_to<bool>;           // Texels outside the disc are written all the same.
-  { P::has_forward } -> std::convertible_to<bool>;      // The image has a centre that --forward can choose.
+  { P::on_disc } -> std::convertible_to<bool>;              // Only the unit disc of a face carries weight.
+  { P::filled } -> std::convertible_to<bool>;               // Texels outside the disc are written all the same.
+  { P::has_forward } -> std::convertible_to<bool>;          // The image has a centre that --forward can choose.
   { P::direction(face, u, v) } -> std::same_as<Direction>;  // Unit; beyond the face its continuation.
   { P::locate(d) } -> std::same_as<Location<double>>;       // Of any unit vector.
   { P::density(u, v) } -> std::same_as<double>;             // Solid angle per du dv; 0 outside the disc.
@@ -66,8 +66,11 @@ struct ProjectionList {
  private:
   template <class F, class First, class... Rest>
   static constexpr decltype(auto) visit_first(Projection p, F&& f) {
-    if constexpr (sizeof...(Rest) > 0)
+    if constexpr (sizeof...(Rest) > 0) {
       if (p != First::id) return visit_first<F, Rest...>(p, std::forward<F>(f));
+    } else {
+      check_enumerator("projection", p);
+    }
     return f(First{});
   }
 };

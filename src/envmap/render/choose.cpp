@@ -56,6 +56,7 @@ DrawMethod cheapest(Projection to, int size, const DrawLoad& load, bool rays, bo
 }
 
 bool can_draw(DrawMethod method, Projection to) {
+  check_enumerator("method", method);
   const ImageShape shape = image_shape(to);
   if (method == DrawMethod::exact) return shape != ImageShape::other;
   if (method == DrawMethod::distort || method == DrawMethod::tessellate)

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "envmap/base/error.h"
+#include "envmap/maths/check_direction.h"
 #include "envmap/projection/visit.h"
 
 namespace envmap {
@@ -103,7 +104,8 @@ std::optional<Direction> direction_to(const Scene& scene, const Pose& pose, cons
 
 Rotation turned_to(const Direction& along) {
   if (!(glm::length(along) > 0)) throw UsageError("a map cannot look at the place that it is drawn from");
-  const Direction z = glm::normalize(along);
+  // The squares of very long directions are infinite.
+  const Direction z = glm::normalize(std::isfinite(glm::length(along)) ? along : checked_direction("towards", along));
   const Direction up = std::abs(z.y) < 1 - 1e-9 ? Direction(0, 1, 0) : Direction(0, 0, 1);
   const Direction x = glm::normalize(glm::cross(up, z));
   return {x, glm::cross(z, x), z};

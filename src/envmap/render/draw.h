@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "envmap/map/environment_map.h"
+#include "envmap/operate/lookup.h"
 #include "envmap/render/method.h"
-#include "envmap/sample/lookup.h"
 #include "envmap/scene/scene.h"
 
 namespace envmap {

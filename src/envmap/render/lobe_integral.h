@@ -3,8 +3,8 @@
 /// reference: prefiltered maps stand for these integrals and assume that normal, view and mirrored direction are one.
 #pragma once
 
+#include "envmap/operate/lookup.h"
 #include "envmap/render/environment_sampler.h"
-#include "envmap/sample/lookup.h"
 
 namespace envmap {
 

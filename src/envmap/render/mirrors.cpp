@@ -216,7 +216,8 @@ Mirrors::Plan Mirrors::plan(std::size_t k, const Shot& shot, const Wanted& want,
   if (mirror.rough || mirror.to == Projection::cube) return plan;
   if (mirror.to == Projection::sphere) {
     // Its singularity lies behind a mirror, where only the outline shows it; of a lens, before it.
-    plan.axes = upright_about(glm::normalize(viewer.at - want.at) * (mirror.optics.refracts() ? -1.0 : 1.0));
+    const Direction back = viewer.at == want.at ? Direction(0, 0, 1) : glm::normalize(viewer.at - want.at);
+    plan.axes = upright_about(back * (mirror.optics.refracts() ? -1.0 : 1.0));
   } else if (want.front) {
     plan.axes = upright_about(*want.front);
   } else {

@@ -13,10 +13,10 @@
 #include <vector>
 
 #include "envmap/base/progress.h"
+#include "envmap/operate/lookup.h"
 #include "envmap/render/distant_lights.h"
 #include "envmap/render/draw.h"
 #include "envmap/render/glossy_levels.h"
-#include "envmap/sample/lookup.h"
 #include "envmap/sample/padded_level.h"
 
 namespace envmap {

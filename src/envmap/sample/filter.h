@@ -6,11 +6,14 @@
 #include <span>
 #include <string_view>
 
+#include "envmap/base/enumerators.h"
 #include "envmap/base/export.h"
 
 namespace ENVMAP_EXPORT envmap {
 
 enum class Filter { nearest, bilinear, bicubic, trilinear, sat, ewa, area };
+template <>
+inline constexpr std::size_t enumerators<Filter> = std::size_t(Filter::area) + 1;
 
 /// What the area filter integrates over, where maps have no rims and creases (quad.h).
 enum class AreaSides {
@@ -18,6 +21,8 @@ enum class AreaSides {
   bounded_quads,  ///< A quadrilateral, where the bound of its error is within the area error; else the outline.
   quads           ///< Also a quadrilateral, or an outline of few points, whose error is estimated.
 };
+template <>
+inline constexpr std::size_t enumerators<AreaSides> = std::size_t(AreaSides::quads) + 1;
 
 struct FilterOptions {
   Filter filter = Filter::bilinear;
@@ -40,8 +45,9 @@ struct FilterInfo {
 /// In the order of the enumerators.
 std::span<const FilterInfo> filters();
 
-inline std::string_view name(Filter f) { return filters()[std::size_t(f)].name; }
-inline bool reads_levels(Filter f) { return filters()[std::size_t(f)].reads_levels; }
-inline bool of_points(Filter f) { return filters()[std::size_t(f)].of_points; }
+inline const FilterInfo& info(Filter f) { return filters()[number_of("filter", f)]; }
+inline std::string_view name(Filter f) { return info(f).name; }
+inline bool reads_levels(Filter f) { return info(f).reads_levels; }
+inline bool of_points(Filter f) { return info(f).of_points; }
 
 }  // namespace envmap

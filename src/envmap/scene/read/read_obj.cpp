@@ -156,6 +156,12 @@ std::vector<Direction> corners_of(const ObjDocument& d, const Face& face) {
   return made;
 }
 
+// Where two corners coincide there is none: it counts as a right angle.
+double angle_at(const Direction& before, const Direction& after) {
+  if (before == Direction(0) || after == Direction(0)) return 0.5 * pi;
+  return angle_between(before, after);
+}
+
 // Normals for the corners that have none.
 void add_normals(ObjDocument& d) {
   std::map<std::pair<int, int>, int> smooth;  // By position and smoothing group.
@@ -176,7 +182,7 @@ void add_normals(ObjDocument& d) {
       if (first) d.normals.emplace_back(0);
       const Direction before = unit(at[(k + at.size() - 1) % at.size()] - at[k]),
                       after = unit(at[(k + 1) % at.size()] - at[k]);
-      d.normals[found->second] += normal * angle_between(before, after);
+      d.normals[found->second] += normal * angle_at(before, after);
       corners[k].normal = found->second;
     }
   }

@@ -63,7 +63,7 @@ Scene read_scene(const std::string& path, std::uint64_t max_pixels, bool allow_m
   } catch (const MissingFile& e) {
     throw MissingFile(harmless((path == "-" ? "standard input" : path) + ": " + e.what()));
   } catch (const InputError& e) {
-    throw InputError(harmless((path == "-" ? "standard input" : path) + ": " + e.what()), e.remedy());
+    throw InputError(path == "-" ? "standard input" : path, harmless(e.what()), e.remedy());
   }
 }
 

@@ -1,12 +1,13 @@
-#include "envmap/sample/lookup.h"
-
-#include <fmt/format.h>
+#include "envmap/operate/lookup.h"
 
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
+#include "envmap/base/check_length.h"
 #include "envmap/base/error.h"
+#include "envmap/maths/check_direction.h"
+#include "envmap/operate/refuse_flaws.h"
 #include "envmap/projection/visit.h"
 #include "envmap/sample/padded_level.h"
 #include "envmap/sample/point.h"
@@ -34,6 +35,7 @@ EnvironmentLookup::EnvironmentLookup(EnvironmentMap&& map) {
   const Projection projection = map.projection();
   for (Level& level : map.levels) {
     if (level.projection() != projection) throw UsageError("levels of one map must have one projection");
+    require_finite(level);
     made.levels.emplace_back(std::move(level));
   }
   levels_ = std::make_shared<const Levels>(std::move(made));
@@ -43,14 +45,11 @@ Colour EnvironmentLookup::operator()(const Direction& direction, double level) c
   const double square = glm::dot(direction, direction);
   if (!(square > 0 && std::isfinite(square))) return Colour(0);
   // Unit vectors stay as they are, to the last bit.
-  return levels_->at(levels_->world_to_image *
-                         (std::abs(square - 1) < 1e-9 ? direction : direction / std::sqrt(square)),
-                     level);
+  return levels_->at(levels_->world_to_image * (is_unit(direction) ? direction : direction / std::sqrt(square)), level);
 }
 
 void EnvironmentLookup::operator()(std::span<const Direction> directions, std::span<Colour> out, double level) const {
-  if (out.size() != directions.size())
-    throw UsageError(fmt::format("out must hold {} colours, not {}", directions.size(), out.size()));
+  check_length("out", out.size(), directions.size());
   std::ranges::transform(directions, out.begin(), [&](const Direction& d) { return (*this)(d, level); });
 }
 

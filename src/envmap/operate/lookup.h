@@ -15,7 +15,7 @@ namespace ENVMAP_EXPORT envmap {
 class EnvironmentLookup {
  public:
   /// Copies the texels, or takes them over. @throws UsageError where the map has no level, or levels differ in
-  /// projection.
+  /// projection, InputError where a texel is NaN or infinite.
   explicit EnvironmentLookup(const EnvironmentMap& map) : EnvironmentLookup(map.clone()) {}
   explicit EnvironmentLookup(EnvironmentMap&& map);
 
