@@ -46,7 +46,8 @@ install(FILES ${PROJECT_BINARY_DIR}/envmapConfig.cmake ${CMAKE_CURRENT_LIST_DIR}
 file(RELATIVE_PATH prefix_from_pc ${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig ${CMAKE_INSTALL_PREFIX})
 # Not Requires.private, which would ask for their headers where the shared library alone is used.
 list(JOIN OpenEXR_LDFLAGS " " private_libraries)
-foreach(flags OpenColorIO_LDFLAGS Png_LDFLAGS Jpeg_LDFLAGS Tiff_LDFLAGS Zstd_LDFLAGS Highway_LDFLAGS)
+foreach(flags OpenColorIO_LDFLAGS Png_LDFLAGS Jpeg_LDFLAGS Tiff_LDFLAGS Lcms_LDFLAGS Zlib_LDFLAGS Zstd_LDFLAGS
+    Highway_LDFLAGS)
   list(JOIN ${flags} " " flags)
   string(APPEND private_libraries " ${flags}")
 endforeach()

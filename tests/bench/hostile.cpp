@@ -1,10 +1,10 @@
-// How far prefiltered maps are off, in every texel, over random hostile maps: what the figures of the treecode and of
-// the spherical transform are measured by.
+// How far prefiltered maps are off, in every texel, over random hostile maps.
 //
 //   hostile [FIRST COUNT [quick] [METHOD]]
 //
 // Map number N has a random projection, size, content (suns of 1e4 to 1e9 at poles, corners, seams and rims, noise,
-// checkers, one lit texel; every fourth map has two halves or blocks that repeat, whose horizons run along texels),
+// checkers, one lit texel; every fourth map has two halves or blocks that repeat, whose horizons run along texels;
+// every fifth has up to eleven suns of 10 to 1e9 under a broad lobe, at 3e-4 or 1e-4),
 // lobe, error and target. The truth is summed here in float64, by adaptive Gauss panels over every texel of the source,
 // cut where the horizon crosses, from the definitions in envmap-prefilter(7): nothing of the library has a part in it.
 // `quick` takes the library's own exact sum instead, which METHOD `exact` checks, at 1e-5. A line is printed for each
@@ -325,7 +325,8 @@ Case make_case(int number) {
           if (content == 4) x = float(std::exp(12 * even() - 6));
         }
     }
-  const int suns = content == 3 ? 1 : any(4);
+  const bool many_suns = number % 5 == 4;
+  const int suns = many_suns ? 1 + any(11) : content == 3 ? 1 : any(4);
   for (int n = 0; n < suns; ++n) {
     const int face = any(level.faces());
     // At edges, corners, poles and rims, or anywhere.
@@ -334,7 +335,8 @@ Case make_case(int number) {
     if (in.end <= in.first) j = size / 2;
     const Columns row = columns(from, size, j);
     const int i = any(3) == 0 ? row.first : any(3) == 0 ? row.end - 1 : row.first + any(row.end - row.first);
-    const double strength = std::pow(10, 4 + 5 * even()) * (any(3) == 0 ? 1e-4 : 1);
+    const double strength =
+        many_suns ? std::pow(10, 1 + 8 * even()) : std::pow(10, 4 + 5 * even()) * (any(3) == 0 ? 1e-4 : 1);
     *level.texel(face, i, j) = Colour(float(strength), float(strength * (any(2) ? 1 : even())),
                                       float(strength * (any(2) ? 1 : even())));
   }
@@ -345,7 +347,9 @@ Case make_case(int number) {
   if (p.shape == Shape::ggx) p.parameter = 0.1 + 0.9 * even();
   if (p.shape == Shape::phong && number % 3 == 0) p.shape = Shape::blinn_phong;
   if (p.shape == Shape::ggx && number % 3 == 0) p.shape = Shape::charlie;
-  p.max_error = errors[any(6)];
+  if (many_suns && p.shape == Shape::phong) p.parameter = 1.5 + 18.5 * even();
+  if (many_suns && p.shape == Shape::ggx) p.parameter = 0.4 + 0.6 * even();
+  p.max_error = many_suns ? errors[4 + any(2)] : errors[any(6)];
   p.to = all_projections[any(2)];
   p.size = p.to == Projection::cube ? 1 + any(10) : 2 + any(15);
   if (any(8) == 0) p.size *= 3;

@@ -92,7 +92,8 @@ void print_line(Shape shape, double parameter, Projection projection, int size, 
   const int max_rows = finest_rows(Level(projection, size));
   for (const double error : errors) {
     const Lobe lobe = lobe_of({.shape = shape, .parameter = parameter, .scale = {}});
-    const auto plan = multilevel_plan(lobe, error, max_rows, projection);
+    const bool power = shape == Shape::phong || shape == Shape::blinn_phong;
+    const auto plan = multilevel_plan(lobe, error, std::min(2048, power ? 2 * max_rows : max_rows), projection);
     line += plan ? fmt::format("  {:g} {:.2f}", error, worst_of(lobe, *plan, error, projection, size, lights))
                  : fmt::format("  {:g} no bound", error);
   }
@@ -103,7 +104,7 @@ void print_line(Shape shape, double parameter, Projection projection, int size, 
 // The narrowest Phong lobes that a grid of so many rows serves: of them, the tails are hardest. Nothing where the
 // source has too few texels for such a grid.
 void print_narrowest(int rows, Projection projection, int size, int lights) {
-  const int max_rows = finest_rows(Level(projection, size));
+  const int max_rows = std::min(2048, 2 * finest_rows(Level(projection, size)));
   std::string line = fmt::format("phong, {:4} rows {:7} {:4}:", rows, name(projection), size);
   for (const double error : errors) {
     const Phong lobe{narrowest_phong(rows, error, max_rows, projection)};

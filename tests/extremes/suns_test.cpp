@@ -119,7 +119,8 @@ TEST(Suns, Harmonics) {
 // Lobes are not negative and have weight 1: the result keeps to the range of the source, but for the method's own
 // error, 1e-3 at most, relative to the texel (that of the mean where the texel is below a thousandth of it).
 TEST(Suns, PrefiltersKeepToTheRange) {
-  for (const auto& [shape, parameter] : {std::pair(Shape::diffuse, unset_parameter), {Shape::phong, 50.0}, {Shape::ggx, 0.5}})
+  for (const auto& [shape, parameter] :
+       {std::pair(Shape::diffuse, unset_parameter), {Shape::phong, 50.0}, {Shape::ggx, 0.5}})
     for_each_sun(6, [&](const EnvironmentMap& map, const std::string& what, const Texel&, float sun) {
       SCOPED_TRACE(what + ", " + std::string(shape_names[std::size_t(shape)]));
       const Prefiltered made = PrefilterSource(map).make({.shape = shape, .parameter = parameter, .size = 2});

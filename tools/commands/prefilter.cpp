@@ -136,6 +136,9 @@ void tell(const Prefilter& p, const BakedLevel& made) {
     line += fmt::format(", {} to {:.1e}", made.sampled ? "the texels measured" : "every texel", done.error);
   if (done.method != Method::exact && done.exact > 0) line += fmt::format(", {} summed exactly", done.exact);
   note(line);
+  std::string work;
+  for (const StepCount& s : done.work) work += fmt::format("{}{} {}", work.empty() ? "" : ", ", s.step, s.count);
+  if (!work.empty()) detail("steps: " + work);
 }
 
 void add_level(Report& report, const Prefilter& p, const BakedLevel& made) {

@@ -195,7 +195,8 @@ void add_circle(Options& o, PhotoOptions& photo) {
   o.add("--circle", "X,Y,R|find", &photo.circle, "Ball or fisheye in the photo, in pixels (--circle-picture draws it)");
   Option& picture = o.add("--circle-picture", "FILE", &photo.picture, "Draw the circle over the photo");
   picture.file = File::output, picture.folded = true;
-  o.add("--back", "FILE", &photo.back, "Photo of the other half, or --back-circle X,Y,R in the same picture").file = File::input;
+  o.add("--back", "FILE", &photo.back, "Photo of the other half, or --back-circle X,Y,R in the same picture").file =
+      File::input;
   o.add("--back-circle", "X,Y,R|find", &photo.back_circle,
         "Circle of the other half, in --back FILE or in the same picture")
       .folded = true;

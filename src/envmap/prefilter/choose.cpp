@@ -131,7 +131,7 @@ Choice choose(const Lobe& lobe, const Level& source, double texels, double error
             .sheen = sheen,
             .tree = {}});
   }
-  if (wanted == Method::treecode || best.method == Method::exact || (any && job.size() <= most_tree_texels))
+  if (wanted == Method::treecode || best.method == Method::exact || (any && !hinges && job.size() <= most_tree_texels))
     if (auto tree = treecode_lobe(lobe))
       take({.method = Method::treecode,
             .cost = cost_of(job, *tree),

@@ -26,6 +26,7 @@
 #include "envmap/prefilter/prepared_source.h"
 #include "envmap/prefilter/sheen_sum.h"
 #include "envmap/prefilter/treecode.h"
+#include "envmap/prefilter/work.h"
 
 namespace envmap {
 
@@ -37,6 +38,14 @@ constexpr double finest = 1e-5;  // Errors below this are left to float64.
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+std::vector<StepCount> steps_since(const WorkDone& before) {
+  std::vector<StepCount> steps;
+  const WorkDone now = work_done();
+  for (std::size_t k = 0; k < now.size(); ++k)
+    if (now[k] > before[k]) steps.push_back({work_names[k], now[k] - before[k]});
+  return steps;
 }
 
 void scale(Level& level, double factor) {
@@ -188,6 +197,7 @@ Prefiltered PrefilterSource::make(const Prefilter& wanted, const Run& run) const
 Prefiltered PrefilterSource::make_now(const Prefilter& wanted, const Progress& progress) const {
   const auto start = std::chrono::steady_clock::now();
   const EnvironmentMap& from = source();
+  const WorkDone before = work_done();
   Prefiltered done{.map = {}, .method = Method::exact};
   done.map.levels.emplace_back(wanted.to, wanted.size);
   done.map.forward = has_forward(wanted.to) ? wanted.forward : Forward::plus_z;
@@ -199,6 +209,7 @@ Prefiltered PrefilterSource::make_now(const Prefilter& wanted, const Progress& p
     // While the lock is held this thread takes no task of the caller's, which might want the lock again.
     isolated([&] { make_lobe(*prepared_, wanted, {wanted.to, wanted.size, turn}, progress, done); });
   }
+  done.work = steps_since(before);
   done.seconds = seconds_since(start);
   done.floor = floor_of_mean * prepared_->light.mean * factor(wanted);
   scale(done.map.base(), factor(wanted));

@@ -2,6 +2,7 @@
 /// Diffuse, Phong and GGX maps, by the method that meets an error.
 #pragma once
 
+#include <cstdint>
 #include <iterator>
 #include <limits>
 #include <memory>
@@ -63,6 +64,12 @@ struct Prefilter {
   double max_error = 1e-3;  ///< Metric `max` of compare(): of every texel.
 };
 
+/// How often a method took one of its steps, such as "taps": the same on every machine and for any number of threads.
+struct StepCount {
+  std::string_view step;
+  std::uint64_t count;
+};
+
 /// What was done, and how far any texel is off.
 struct Prefiltered {
   EnvironmentMap map;
@@ -73,6 +80,7 @@ struct Prefiltered {
   double floor = 0;        ///< 0.001 x the solid-angle mean of the source, times k: smaller results are held to it.
   std::int64_t exact = 0;  ///< Texels that were summed exactly, since nothing faster was sure enough of them.
   std::optional<Filter> resampled = {};  ///< Of a mirror: the filter that made it, or nearest where texels were copied.
+  std::vector<StepCount> work = {};      ///< Steps that were taken. Those of other maps made meanwhile count, too.
 };
 
 /// The levels of a chain, and how each was made: Prefiltered without its map.
@@ -110,8 +118,7 @@ class PrefilterSource {
 
   /// Makes one map. Every texel has a bound of its error: proved, but for multilevel sums, whose bound has a factor of
   /// the lobe that was measured. `automatic` takes the method of the least predicted cost (choose.h). Texels whose
-  /// bound
-  /// is over the error wanted are summed exactly.
+  /// bound is over the error wanted are summed exactly.
   /// @throws UsageError where a field is out of its range (bounds.h).
   Prefiltered make(const Prefilter& wanted, const Run& run = {}) const;
 

@@ -61,7 +61,7 @@ class Traversal {
   static constexpr int deepest = 16;  // Of halvings of a texel.
 
   [[nodiscard]] bool enough() const {
-    return nodes_.count() > criterion_.most_nodes || judged_ > 4 * criterion_.most_nodes;
+    return nodes_.count() > criterion_.most_nodes || judged_ > 4 * criterion_.most_nodes;  // Twice as many as usual.
   }
 
   [[nodiscard]] bool good(const NodeGroup& group, std::size_t lane) const {
@@ -115,11 +115,14 @@ class Traversal {
     parts_.clear();
     for (const Block& b : next_)
       for (int j = b.j * side; j < std::min(source.height(), (b.j + 1) * side); ++j)
-        for (int i = b.i * side; i < std::min(source.width(), (b.i + 1) * side); ++i) {
-          const Flux light = tree_.beyond(*source.texel(b.face, i, j));
-          if (light == Flux(0)) continue;
-          parts_.push_back({b.face, 0, texel_rect(i, j, source.width(), source.height()), {light.x, light.y, light.z}});
-        }
+        for (int i = b.i * side; i < std::min(source.width(), (b.i + 1) * side); ++i)
+          if (const Flux light = tree_.beyond(*source.texel(b.face, i, j)); light != Flux(0)) {
+            const Part texel{b.face, 0, texel_rect(i, j, source.width(), source.height()), {light.x, light.y, light.z}};
+            if (side == 1)  // A block of one texel was judged as such.
+              divide(texel);
+            else
+              parts_.push_back(texel);
+          }
     while (!parts_.empty() && !enough()) {
       std::swap(parts_, open_), parts_.clear();
       for (std::size_t from = 0; from < open_.size() && !enough(); from += 16)
@@ -142,8 +145,11 @@ class Traversal {
       if (good(group_, lane) || part.depth >= deepest)
         accept(*made[lane], lane);
       else
-        for (const Rect& r : quarters(part.rect)) parts_.push_back({part.face, part.depth + 1, r, part.radiance});
+        divide(part);
     }
+  }
+  void divide(const Part& part) {
+    for (const Rect& r : quarters(part.rect)) parts_.push_back({part.face, part.depth + 1, r, part.radiance});
   }
 
   const Tree& tree_;
@@ -211,25 +217,32 @@ class TileRow {
     std::array<HingeSum, Tile::most> at_horizon{};
     bool has_horizon = false;
     double before = std::numeric_limits<double>::infinity();
+    const float first_limit = limit_;
+    const auto give_up = [&] {
+      limit_ = first_limit;
+      return false;
+    };
     std::size_t left = most_nodes(texels.size());
     for (int n = 0; n < most_tries; ++n) {
-      if (!traversal_.run(tile, criterion(left))) return false;
+      if (!traversal_.run(tile, criterion(left))) return give_up();
       left -= traversal_.nodes().count();
       evaluate(lobe_, traversal_.nodes(), tile, sums_);
       count(Work::seen, traversal_.nodes().count() * tile.count);
       if (lobe_.has_hinges() && !std::exchange(has_horizon, true)) set_horizon(directions, at_horizon);
-      const double figure = bound(tile.count, at_horizon);
-      // The error of all falls about as the square root of the cube of that of each.
-      const double off = std::max(1e-3, figure / max_error_);
+      const Figures figures = bound(tile.count, at_horizon);
+      const double figure = figures.all;
+      // Of what is left to the nodes. The error of all falls about as that of each to the power of two thirds.
+      const double off = std::max(1e-3, (figure - figures.horizon) / (max_error_ - figures.horizon));
       if (figure <= max_error_) {
         limit_ *= float(std::clamp(portable::pow(0.85 / off, 1.5), 0.3, 2.0));
         store(texels, at_horizon);
         return true;
       }
-      if (figure > 0.95 * before) return false;  // What is left is rounding, or the horizon's.
+      // What is left is rounding, or the horizon's.
+      if (!(figure <= 0.95 * before) || figures.horizon > 0.8 * max_error_) return give_up();
       before = figure, limit_ *= float(std::clamp(portable::pow(0.8 / off, 1.5), 1e-3, 0.8));
     }
-    return false;
+    return give_up();
   }
 
   // Nodes beyond which the exact sum of so many directions is quicker.
@@ -250,22 +263,27 @@ class TileRow {
   }
   [[nodiscard]] Flux smooth(std::size_t k) const { return Flux(sums_[0][k], sums_[1][k], sums_[2][k]) + even_; }
 
-  // Sets the bound of each texel, and the guess for the next tile. @return the largest.
-  double bound(std::size_t count, std::span<const HingeSum> at_horizon) {
+  struct Figures {
+    double all = 0, horizon = 0;  // The largest bound of a texel, and of what is summed at the horizon.
+  };
+  // Sets the bound of each texel, and the guess for the next try or tile.
+  Figures bound(std::size_t count, std::span<const HingeSum> at_horizon) {
     constexpr double rounding = 0x1p-22;  // Of the result and of what is taken off the source.
-    double largest = 0;
+    Figures largest;
     guess_.fill(std::numeric_limits<double>::max());
     for (std::size_t k = 0; k < count; ++k) {
       const Flux sum = smooth(k) + at_horizon[k].value / tree_.mean();
       double worst = 0;
       for (int c = 0; c < 3; ++c) {
         const auto ch = std::size_t(c);
-        const double off = traversal_.bound()[ch] + at_horizon[k].bound[c] / tree_.mean();
+        const double horizon = at_horizon[k].bound[c] / tree_.mean(), off = traversal_.bound()[ch] + horizon;
         const double least = std::max(sum[c] - off, floor_of_mean);
-        worst = std::max(worst, off / least), guess_[ch] = std::min(guess_[ch], least);
+        if (!std::isfinite(off)) worst = std::numeric_limits<double>::infinity();
+        worst = std::max(worst, off / least), largest.horizon = std::max(largest.horizon, horizon / least);
+        guess_[ch] = std::min(guess_[ch], std::max(least, 0.5 * sum[c]));
       }
       if (!std::isfinite(sum.x + sum.y + sum.z)) worst = std::numeric_limits<double>::infinity();
-      bounds_[k] = worst + rounding, largest = std::max(largest, bounds_[k]);
+      bounds_[k] = worst + rounding, largest.all = std::max(largest.all, bounds_[k]);
     }
     return largest;
   }
@@ -274,7 +292,7 @@ class TileRow {
       const Texel& t = texels[k];
       const Flux value = tree_.mean() * smooth(k) + at_horizon[k].value;
       *map_.out.texel(t.face, t.i, t.j) = Colour(glm::max(Flux(0), value));
-      map_.bounds[index_of(map_.out, t)] = std::nextafter(float(bounds_[k]), 1.F);
+      map_.bounds[index_of(map_.out, t)] = std::nextafter(float(bounds_[k]), std::numeric_limits<float>::infinity());
     }
   }
 

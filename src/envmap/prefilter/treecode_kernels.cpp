@@ -42,15 +42,19 @@ HWY_INLINE Seen see(const Tile& tile, const NodeGroup& g, std::size_t n) {
   const V zero = hn::Zero(d), one = number(1);
   const V x = load(g.axis[0], n) - number(tile.middle.x), y = load(g.axis[1], n) - number(tile.middle.y),
           z = load(g.axis[2], n) - number(tile.middle.z);
-  // Not from the cosine, which has no digits of a small angle's sine.
-  const V versine = number(0.5) * (x * x + y * y + z * z);
-  const V cosine = one - versine, sine = hn::Sqrt(hn::Max(zero, versine * (number(2) - versine)));
+  const V cosine = one - number(0.5) * (x * x + y * y + z * z);
+  // Not from the cosine, which has no digits of the sine of a small angle, or of one near 180 degrees.
+  const auto behind = hn::Lt(cosine, zero);
+  const auto twice = [&](double middle) HWY_ATTR { return hn::IfThenElseZero(behind, number(2 * middle)); };
+  const V near_x = x + twice(tile.middle.x), near_y = y + twice(tile.middle.y), near_z = z + twice(tile.middle.z);
+  const V versine = number(0.5) * (near_x * near_x + near_y * near_y + near_z * near_z);
+  const V sine = hn::Sqrt(hn::Max(zero, versine * (number(2) - versine)));
   const V tile_cosine = number(tile.cosine), tile_sine = number(tile.sine);
   const V node_cosine = load(g.cosine, n), node_sine = load(g.sine, n);
   // The angle of tile and node together; of a right angle and more nothing is known.
   const V both_cosine = node_cosine * tile_cosine - node_sine * tile_sine;
   const V both_sine = node_sine * tile_cosine + node_cosine * tile_sine;
-  const auto wide = hn::Or(hn::Lt(node_cosine, zero), hn::Lt(both_cosine, number(0.01)));
+  const auto wide = hn::Or(hn::Lt(node_cosine, zero), hn::Lt(both_cosine, number(0.02)));
   const auto around = hn::Or(wide, hn::Le(both_cosine, cosine));
   const auto opposite = hn::Or(wide, hn::Le(cosine, zero - both_cosine));
   Seen s;
@@ -88,7 +92,7 @@ HWY_INLINE V rounding(double of_power, const Bounds& b, const Offsets& o, const 
   // |r - a|^2 / 2 of floats: relative to itself, and to the products of its parts.
   const V versine = number(1) - s.lo, of_cosine = versine + number(2 * tile.sine) * hn::Sqrt(versine);
   const V products = o.away * (b.size1 + o.away * b.size2);
-  return number(40 * unit_roundoff + of_power) * terms + number(6 * unit_roundoff) * products +
+  return number(40 * unit_roundoff + of_power) * terms + number(12 * unit_roundoff) * products +
          number(moment_loss) * (b.size1 + b.size2) +
          number(16 * unit_roundoff) * of_cosine * (b.size1 + o.t2 * b.size2);
 }
@@ -119,22 +123,22 @@ void judge_lanes(const L& of, const TreecodeLobe& lobe, const Tile& tile, const 
     if (visible == 0) continue;
     const Bounds b = rest.over(hn::Max(s.lo, zero), hn::Max(s.hi, zero), s.cut);
     const Offsets o = offsets(g, n, s.sine);
-    const V t22 = o.t2 * o.t2, t44 = o.t4 * o.t4;
-    const V second = number(0.5) * b.osc2 * t22, third = sixth * b.third * o.t2 * t44;
-    const V fourth = sixth * b.third * o.cube + number(1.0 / 24) * b.fourth * t44 * t44;
+    const V t22 = o.t2 * o.t2, t44 = o.t4 * o.t4, most3 = hn::Min(b.third, none), most4 = hn::Min(b.fourth, none);
+    const V second = number(0.5) * hn::Min(b.osc2, none) * t22, third = sixth * most3 * o.t2 * t44;
+    const V fourth = sixth * most3 * o.cube + number(1.0 / 24) * most4 * t44 * t44;
     const auto held = [&](V x, int order)
                           HWY_ATTR { return lobe.smooth >= order ? x : hn::IfThenElse(s.cut, none, x); };
     const V taylor = hn::Min(held(second, 2), hn::Min(held(third, 3), held(fourth, 4)));
     const V rounded = rounding(of_power, b, o, s, tile);
-    const V by_series = above(taylor) + rounded, by_line = above(rest_of_linear(of, o.t2)) + rounded;
-    const V even = above(number(0.5) * (b.most - b.least)) + number(40 * unit_roundoff) * b.size0;
-    const V best = hn::Min(hn::Min(by_series, by_line), even);
+    const V by_series = padded(taylor) + rounded, by_slope = padded(rest_of_linear(of, o.t2)) + rounded;
+    const V even = padded(number(0.5) * (b.most - b.least)) + number(40 * unit_roundoff + of_power) * b.size0;
+    const V best = hn::Min(hn::Min(by_series, by_slope), even);
     hn::Store(best, d, &out.bound[n]);
     hn::Store(number(0.5) * (b.most + b.least), d, &out.even[n]);
     hn::Store(b.line, d, &out.line[n]);
-    const unsigned series = bits_of(hn::Le(by_series, best)), line = bits_of(hn::Le(by_line, best));
+    const unsigned series = bits_of(hn::Le(by_series, best)), linear = bits_of(hn::Le(by_slope, best));
     for (std::size_t k = 0; k < hn::Lanes(d); ++k)
-      out.form[n + k] = series >> k & 1 ? Form::taylor : line >> k & 1 ? Form::linear : Form::even;
+      out.form[n + k] = series >> k & 1 ? Form::taylor : linear >> k & 1 ? Form::linear : Form::even;
   }
 }
 

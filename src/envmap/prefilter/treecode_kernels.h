@@ -19,9 +19,9 @@
 /// Phong's lobe k u^m with 1 < m < 2, K + K' t is off by at most k E|t|^m <= k t2^m, as |a^(m-1) - b^(m-1)| <=
 /// |a - b|^(m-1). And K always lies between its extremes: half of their distance is the bound of their middle.
 ///
-/// To each bound comes what rounding to float may add, by counting operations. Nothing is measured, and no errors are
-/// taken to cancel: the bound of a sum is the sum of the bounds. tests/unit/treecode_bound_test.cpp holds every step
-/// against random nodes.
+/// To each bound comes what rounding to float may add, by counting operations. What the logarithms and powers of
+/// lobe_lanes-inl.h are off by is stated there. No errors are taken to cancel: the bound of a sum is
+/// the sum of the bounds. tests/unit/treecode_bound_test.cpp holds every step against random nodes.
 #pragma once
 
 #include <array>

@@ -39,7 +39,7 @@ template <class L>
 struct Rest;
 
 // A number, made larger by what the formulae of bounds may round off.
-HWY_INLINE V above(V x) { return x * number(1 + 1e-5); }
+HWY_INLINE V padded(V x) { return x * number(1 + 1e-5); }
 HWY_INLINE V larger(V a, V b) { return hn::Max(hn::Abs(a), hn::Abs(b)); }
 
 /// What the powers of a lobe may be off by, relative: log2_of() by 3e-7 of the logarithm, exp2_small() by 2e-7. Values
@@ -158,12 +158,13 @@ struct Rest<BlinnPhong> {
     for (int k = 0; k < n; ++k) factor *= 0.5 * (p - k), power = power / q;
     return number(factor) * power;
   }
-  HWY_INLINE Bounds over(V lo, V hi, hn::Mask<LaneTag> cut) const {
+  // K and two derivatives are 0 at the horizon, so that nothing changes where it cuts.
+  HWY_INLINE Bounds over(V lo, V hi, hn::Mask<LaneTag> /*cut*/) const {
     const LaneTag d;
     const V one = number(1), qa = number(0.5) * (one + lo), qb = number(0.5) * (one + hi);
     const V pa = blinn_power(lobe, d, one - lo), pb = blinn_power(lobe, d, one - hi), wide = hi - lo;
-    const V fourth = above(hi * larger(of_power(pa, qa, 4), of_power(pb, qb, 4)) +
-                           number(4) * larger(of_power(pa, qa, 3), of_power(pb, qb, 3)));
+    const V fourth = padded(hi * larger(of_power(pa, qa, 4), of_power(pb, qb, 4)) +
+                            number(4) * larger(of_power(pa, qa, 3), of_power(pb, qb, 3)));
     const auto third_at = [&](V u, V q, V power) HWY_ATTR {
       return u * of_power(power, q, 3) + number(3) * of_power(power, q, 2) - number(6 * hinges[2]);
     };
@@ -174,7 +175,6 @@ struct Rest<BlinnPhong> {
     const V half = number(0.5) * wide, bend = number(2) * larger(low.bend, high.bend) + half * third;
     const V slope = larger(low.slope, high.slope) + half * bend;
     const V middle = number(0.5) * (low.value + high.value), spread = number(0.5) * hn::Abs(high.value - low.value);
-    (void)cut;  // K and two derivatives are 0 at the horizon.
     return {.least = middle - spread - half * slope,
             .most = middle + spread + half * slope,
             .line = hn::Zero(d),
@@ -216,8 +216,8 @@ struct Rest<Charlie> {
       return hn::Max(a, b);
     };
     const double q = p * (p - 1), r = q * (p - 2), s = r * (p - 3);
-    const V fourth = above(number(4 * std::abs(r)) * most(3) + number(std::abs(s)) * hi * most(4));
-    const V third = above(number(3 * std::abs(q)) * most(2) + number(std::abs(r)) * hi * most(3));
+    const V fourth = padded(number(4 * std::abs(r)) * most(3) + number(std::abs(s)) * hi * most(4));
+    const V third = padded(number(3 * std::abs(q)) * most(2) + number(std::abs(r)) * hi * most(3));
     const auto second_at = [&](V u, V x, V power)
                                HWY_ATTR { return number(p) * (power / x) * (number(p - 1) * (u / x) - number(2)); };
     const V second_a = second_at(lo, xa, pa), second_b = second_at(hi, xb, pb), half = number(0.5) * wide * third;

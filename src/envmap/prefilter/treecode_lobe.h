@@ -15,8 +15,8 @@ namespace envmap::prefiltering {
 struct TreecodeLobe {
   Lobe lobe;
   HingePolynomial hinges;  ///< P.
-  /// How many derivatives of K are bounded where the horizon cuts a node: the first ones, up to the fourth. Of a Phong
-  /// lobe of exponent 1 < m < 2 the first alone, which changes by at most m s^(m-1) over s.
+  /// K has so many bounded derivatives where the horizon cuts a node, up to 4. All but the last are continuous. Of a
+  /// Phong lobe of exponent 1 < m < 2 the first alone, which changes by at most m s^(m-1) over s.
   int smooth = 4;
 
   [[nodiscard]] bool has_hinges() const { return hinges.integral() > 0; }

@@ -93,8 +93,8 @@ double largest(const Matrix& s, const Tangents& t) {
   return std::max(0.0, 0.5 * (a + c) + std::sqrt(half * half + b * b));
 }
 
-// A float that is no less. Moments of nodes are sums of rounded ones: a millionth covers them.
-float above(double x) { return float(x * (1 + 1e-6)); }
+// A float that is no less, by what Gauss points and sums may have lost of the moments.
+float float_above(double x) { return float(x * (1 + 1e-5)); }
 
 struct Scalars {
   double tangent2 = 0, tangent4 = 0, tangent3 = 0, radial2 = 0, radial4 = 0;
@@ -174,18 +174,19 @@ void set_centre(Light& light, const ChannelWeights& weights) {
 }
 
 TreeNode finished(const Light& light) {
-  const Direction& c = light.centre;
+  // Light from all around has no axis. The theorem holds about any centre within.
+  const bool wide = glm::length(light.centre) < 0.3;
+  const Direction c = wide ? Direction(0) : light.centre;
   const double length = glm::length(c), away = std::max(0.0, 1 - length * length);
-  const bool wide = length < 0.3;
   TreeNode n{};
   n.axis = wide ? Direction(0, 1, 0) : c / length;
-  n.sag = float(wide ? 1 - glm::dot(c, n.axis) : away / (1 + length));
+  n.sag = float(away / (1 + length));
   // |d - c| <= reach: a.d >= (1 + |c|^2 - reach^2) / 2|c|.
   const double reach = light.reach * (1 + 1e-9);
   const double cosine = wide ? -1 : std::clamp((1 + length * length - reach * reach) / (2 * length) - 1e-15, -1.0, 1.0);
-  n.cosine = float(cosine), n.sine = above(std::sqrt(std::max(0.0, (1 - cosine) * (1 + cosine)))) + 1e-7F;
+  n.cosine = float(cosine), n.sine = float_above(std::sqrt(std::max(0.0, (1 - cosine) * (1 + cosine)))) + 1e-7F;
   // a.(d - c) = (1 - |c|^2 - |d - c|^2) / 2|c|.
-  const double most_radial = wide ? 2 : std::max(reach * reach - away, away) / (2 * length);
+  const double most_radial = wide ? 1 : std::max(reach * reach - away, away) / (2 * length);
   const Tangents tangents(n.axis);
   for (std::size_t ch = 0; ch < channels; ++ch) {
     const Moments3 m = central(light.moments[ch], c);
@@ -194,9 +195,10 @@ TreeNode finished(const Light& light) {
     for (std::size_t i = 0; i < 3; ++i) n.first[ch][i] = float(m[1 + i]);
     for (std::size_t i = 0; i < 6; ++i) n.second[ch][i] = float(m[4 + i]);
     const Scalars s = scalars_of(m, c, n.axis, tangents, most_radial);
-    n.tangent2 = std::max(n.tangent2, above(s.tangent2)), n.tangent4 = std::max(n.tangent4, above(s.tangent4));
-    n.tangent3 = std::max(n.tangent3, above(s.tangent3)), n.radial2 = std::max(n.radial2, above(s.radial2));
-    n.radial4 = std::max(n.radial4, above(s.radial4));
+    n.tangent2 = std::max(n.tangent2, float_above(s.tangent2)),
+    n.tangent4 = std::max(n.tangent4, float_above(s.tangent4));
+    n.tangent3 = std::max(n.tangent3, float_above(s.tangent3)), n.radial2 = std::max(n.radial2, float_above(s.radial2));
+    n.radial4 = std::max(n.radial4, float_above(s.radial4));
   }
   return n;
 }

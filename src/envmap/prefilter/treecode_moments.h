@@ -2,9 +2,8 @@
 /// Moments of light on the sphere to the third order, and what a treecode keeps of them.
 ///
 /// A node is the light of a part of the sphere: a measure of each channel. Moments about the origin add up, so a node
-/// is
-/// the plain sum of its parts. finished() turns them about the node's centre, and works out the five scalars that the
-/// bounds of treecode_kernels.h are made of.
+/// is the plain sum of its parts. finished() turns them about the node's centre, and works out the five scalars that
+/// the bounds of treecode_kernels.h are made of.
 #pragma once
 
 #include <array>
@@ -18,8 +17,7 @@ namespace envmap::prefiltering {
 inline constexpr std::size_t channels = 3;
 
 /// Integrals over one measure of 1, d, dd and ddd, d the direction: 1; x y z; xx xy xz yy yz zz; xxx xxy xxz xyy xyz
-/// xzz
-/// yyy yyz yzz zzz.
+/// xzz yyy yyz yzz zzz.
 using Moments3 = std::array<double, 20>;
 
 /// What rounding may add to or take from moments about a centre, per unit of flux: sums of a block go row by row, of 64
@@ -48,17 +46,17 @@ struct TreeNode {
   std::array<std::array<float, 6>, channels> second;  ///< Integral of (d - c)(d - c)^T: xx xy xz yy yz zz.
 };
 
-/// @return 1 over the flux of each channel: weights of the centre of a map.
+/// 1 over the flux of each channel in the whole map: what its light counts in the centre of a node.
 using ChannelWeights = std::array<double, channels>;
 
-/// Adds the moments of even radiance over a rectangle of a cube or latlong map. @return its centre and reach.
+/// A rectangle of a cube or latlong map, evenly lit.
 struct Patch {
   Moments3 moments{};  ///< Of radiance 1.
   Direction centre{0};
   double reach = 0;
 };
-/// @tparam P projection of the map. @param rect at most 1.5 degrees across, so that 3 x 3 Gauss points have its moments
-/// to 1e-14 of the solid angle.
+/// By 3 x 3 Gauss points. @tparam P projection of the map. @param rect at most 1.5 degrees across, so that central
+/// moments are right to 4e-12 of those of a rectangle as large, which float_above() of the source file covers.
 template <class P>
 Patch patch_of(int face, const Rect& rect);
 

@@ -6,21 +6,21 @@
 namespace envmap::prefiltering {
 namespace {
 struct Slot {
-  alignas(64) WorkDone done{};
+  alignas(64) WorkCounters done{};
 };
 std::mutex lock;
 std::deque<Slot>& slots() {
   static std::deque<Slot> all;  // Of threads that have ended, too.
   return all;
 }
-WorkDone& new_slot() {
+WorkCounters& new_slot() {
   const std::lock_guard guard(lock);
   return slots().emplace_back().done;
 }
 }  // namespace
 
-WorkDone& work_here() {
-  thread_local WorkDone& mine = new_slot();
+WorkCounters& work_of_this_thread() {
+  thread_local WorkCounters& mine = new_slot();
   return mine;
 }
 
@@ -28,7 +28,7 @@ WorkDone work_done() {
   const std::lock_guard guard(lock);
   WorkDone sum{};
   for (const Slot& s : slots())
-    for (std::size_t k = 0; k < kinds_of_work; ++k) sum[k] += s.done[k];
+    for (std::size_t k = 0; k < kinds_of_work; ++k) sum[k] += s.done[k].load(std::memory_order_relaxed);
   return sum;
 }
 

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <string_view>
@@ -29,11 +30,15 @@ inline constexpr std::string_view work_names[] = {"kernels",    "taps",        "
 inline constexpr std::size_t kinds_of_work = std::size(work_names);
 using WorkDone = std::array<std::uint64_t, kinds_of_work>;
 
-/// Of this thread. Added up by work_done().
-WorkDone& work_here();
-inline void count(Work what, std::uint64_t number) { work_here()[std::size_t(what)] += number; }
+/// Counters that one thread adds to and any thread reads.
+using WorkCounters = std::array<std::atomic<std::uint64_t>, kinds_of_work>;
+WorkCounters& work_of_this_thread();
+inline void count(Work what, std::uint64_t number) {
+  std::atomic<std::uint64_t>& c = work_of_this_thread()[std::size_t(what)];
+  c.store(c.load(std::memory_order_relaxed) + number, std::memory_order_relaxed);
+}
 
-/// Of all threads, since the program began. While nothing is made.
+/// The sum over all threads, since the program began.
 WorkDone work_done();
 
 }  // namespace envmap::prefiltering
