@@ -73,8 +73,8 @@ const std::set<std::string> without_claims{"PNM", "SGI"};
 // Formats of which not every OpenImageIO has a writer to make a test's file with.
 const std::set<std::string> without_writer{"JPEG 2000", "HEIF", "AVIF", "WebP"};
 
-// Formats whose claims other suites hold: colour_test.cpp, texture_test.cpp, files_test.cpp.
-const std::set<std::string> elsewhere{"EXR", "PFM", "KTX2", "KTX", "DDS", "Babylon.js .env", "glTF light"};
+// Formats whose claims other suites hold: colour_test.cpp and texture_test.cpp.
+const std::set<std::string> elsewhere{"EXR", "KTX2", "Babylon.js .env"};
 
 TEST_F(Claims, HaveARowForEachFormat) {
   write("none.bin", "no image");
