@@ -673,7 +673,8 @@ TEST(Prefilter, LightThatRepeatsIsRightInEveryTexel) {
         for (int k = 0; k < 3; ++k) worst = std::max(worst, off[k] / std::max(truth[n][k], fast.floor));
       }
       EXPECT_LE(worst, 0.7 * error) << name(c.from) << " " << c.size << ", exponent " << c.exponent;
-      EXPECT_LT(fast.exact, 5);
+      // The exact sum is quicker where a dark texel sees the rim of bright light: seldom.
+      EXPECT_LE(fast.exact, int(all.size()) / 10);
     }
   }
 }

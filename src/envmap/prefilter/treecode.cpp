@@ -248,7 +248,7 @@ class TileRow {
   // Nodes beyond which the exact sum of so many directions is quicker.
   [[nodiscard]] std::size_t most_nodes(std::size_t directions) const {
     const Level& s = tree_.source();
-    return std::clamp<std::size_t>(directions * index_of(s, {s.faces(), 0, 0}) / 4, 1 << 14, 1 << 17);
+    return std::clamp<std::size_t>(directions * index_of(s, {s.faces(), 0, 0}) / 4, 1 << 15, 1 << 17);
   }
   [[nodiscard]] Criterion criterion(std::size_t most_nodes) const {
     Criterion c{.weight = {}, .limit = limit_, .most_nodes = most_nodes};
