@@ -5,26 +5,15 @@
 #include <cstdint>
 #include <string>
 
+#include "envmap/io/tiff_numbers.h"
+
 namespace envmap {
 namespace {
 
 using Bytes = std::span<const unsigned char>;
 
-// Numbers of one byte order. Outside of the bytes they are 0.
-struct Numbers {
-  Bytes bytes;
-  bool little;
-
-  [[nodiscard]] std::uint32_t get(std::size_t at, std::size_t size) const {
-    std::uint32_t number = 0;
-    for (std::size_t k = 0; k < size && at + size <= bytes.size(); ++k)
-      number = number << 8U | bytes[at + (little ? size - 1 - k : k)];
-    return number;
-  }
-};
-
 // Of a directory's entry at `at`, up to the first zero.
-std::string text_of(const Numbers& n, std::size_t at) {
+std::string text_of(const TiffNumbers& n, std::size_t at) {
   const std::size_t size = n.get(at + 4, 4), begin = size <= 4 ? at + 8 : n.get(at + 8, 4);
   if (begin > n.bytes.size() || size > n.bytes.size() - begin) return {};
   const std::string text(n.bytes.begin() + std::ptrdiff_t(begin), n.bytes.begin() + std::ptrdiff_t(begin + size));
@@ -38,7 +27,7 @@ void read_exif(Bytes exif, ImageFacts& facts) {
   enum : unsigned { tag_description = 0x10e, tag_orientation = 0x112, tag_copyright = 0x8298 };
   enum : unsigned { type_byte = 1, type_text = 2, type_short = 3, type_long = 4 };
   if (exif.size() < 8 || exif[0] != exif[1] || (exif[0] != 'I' && exif[0] != 'M')) return;
-  const Numbers n{exif, exif[0] == 'I'};
+  const TiffNumbers n{exif, exif[0] == 'I'};
   const std::size_t directory = n.get(4, 4), entry_size = 12, count = n.get(directory, 2);
   for (std::size_t k = 0; k < count; ++k) {
     const std::size_t at = directory + 2 + k * entry_size;

@@ -6,6 +6,7 @@
 #include <array>
 
 #include "envmap/base/error.h"
+#include "envmap/io/tiff_numbers.h"
 
 namespace envmap {
 namespace {
@@ -19,19 +20,6 @@ std::span<const unsigned char> bytes_of(std::string_view text) {
 }
 
 // ---- MPF ------------------------------------------------------------------------------------------------------------
-
-// The numbers of a TIFF structure. Outside of the bytes they are 0.
-struct TiffNumbers {
-  std::span<const unsigned char> bytes;
-  bool little;
-
-  [[nodiscard]] std::uint32_t get(std::size_t at, std::size_t size) const {
-    std::uint32_t number = 0;
-    for (std::size_t k = 0; k < size && at + size <= bytes.size(); ++k)
-      number = number << 8U | bytes[at + (little ? size - 1 - k : k)];
-    return number;
-  }
-};
 
 // Where the further images of a file begin, by its index (DC-007, section 5.2.3.3).
 std::vector<std::uint64_t> further_images(const JpegSegment& mpf) {

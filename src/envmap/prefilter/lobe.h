@@ -2,7 +2,7 @@
 /// Lobes: the kernels of a prefilter, radially symmetric about the direction asked for.
 ///
 /// A lobe is a small type over x = 1 - cos(angle to the middle), x in [0,2], so that narrow lobes keep their digits.
-/// Its formula for vectors of lanes, with the sizes of its derivatives, stands in lobe_lanes-inl.h.
+/// Its formula for vectors of lanes stands in lobe_lanes-inl.h.
 #pragma once
 
 #include <algorithm>

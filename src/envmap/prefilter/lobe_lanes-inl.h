@@ -109,28 +109,11 @@ HWY_INLINE V exp2_small(D d, V y) {
   return hn::BitCast(d, hn::Add(hn::BitCast(di, power()), hn::ShiftLeft<B::mantissa>(hn::BitCast(di, shifted))));
 }
 
-/// 1 - x, above 0 by as little as a division needs.
-template <class D, class V>
-HWY_INLINE V cosine(D d, V x) {
-  return hn::Max(hn::Sub(set(d, 1), x), set(d, 1e-6));
-}
-
-/// The sizes of the derivatives of a lobe by x.
-template <class V>
-struct Derivatives {
-  V first, second, third;
-};
-
-// value(): lobe.h's. It may be asked for a little below x = 0, where the series of a node goes on, and then at most
-// doubles or so. derivatives(): above the horizon; the largest over an interval of x is that at one of its ends.
+// value(): lobe.h's. It may be asked for a little below x = 0, where a series goes on, and then at most doubles or so.
 
 template <class D, class V>
 HWY_INLINE V value(const Cosine&, D d, V x) {
   return hn::Mul(set(d, 1 / pi), hn::Max(hn::Zero(d), hn::Sub(set(d, 1), x)));
-}
-template <class D, class V>
-HWY_INLINE Derivatives<V> derivatives(const Cosine&, D d, V /*x*/, V /*value*/) {
-  return {set(d, 1 / pi), hn::Zero(d), hn::Zero(d)};
 }
 
 template <class D, class V>
@@ -138,14 +121,8 @@ HWY_INLINE V value(const Phong& l, D d, V x) {
   const V power = exp2_small(d, hn::Mul(set(d, l.exponent), log2_one_minus(d, x)));
   return hn::IfThenElseZero(hn::Lt(x, set(d, 1)), hn::Mul(set(d, l.scale()), power));
 }
-template <class D, class V>
-HWY_INLINE Derivatives<V> derivatives(const Phong& l, D d, V x, V value) {
-  const V c = cosine(d, x), first = hn::Div(hn::Mul(value, set(d, l.exponent)), c);
-  const V second = hn::Div(hn::Mul(first, set(d, std::abs(l.exponent - 1))), c);
-  return {first, second, hn::Div(hn::Mul(second, set(d, std::abs(l.exponent - 2))), c)};
-}
 
-// With q = a + b x, s = b / q and c = 1 - x: value = k c / q^2, and each derivative of 1 / q^2 brings another s.
+// With q = a + b x, s = b / q and c = 1 - x: value = k c / q^2.
 template <class D, class V>
 HWY_INLINE V ggx_base(const Ggx& l, D d, V x) {
   return hn::Max(set(d, 0.5 * l.a), hn::Add(set(d, l.a), hn::Mul(set(d, l.b), x)));
@@ -154,16 +131,6 @@ template <class D, class V>
 HWY_INLINE V value(const Ggx& l, D d, V x) {
   const V q = ggx_base(l, d, x);
   return hn::Div(hn::Mul(set(d, l.scale), hn::Max(hn::Zero(d), hn::Sub(set(d, 1), x))), hn::Mul(q, q));
-}
-template <class D, class V>
-HWY_INLINE Derivatives<V> derivatives(const Ggx& l, D d, V x, V /*value*/) {
-  const V q = ggx_base(l, d, x), s = hn::Div(set(d, l.b), q), sc = hn::Mul(s, hn::Sub(set(d, 1), x));
-  const V scale = hn::Div(set(d, l.scale), hn::Mul(q, q));
-  const auto bent = [&](double of_one, double of_cosine) HWY_ATTR {
-    const V bend = hn::Add(set(d, of_one), hn::Mul(set(d, of_cosine), sc));
-    return hn::Mul(scale, bend);
-  };
-  return {bent(1, 2), hn::Mul(bent(4, 6), s), hn::Mul(hn::Mul(bent(18, 24), s), s)};
 }
 
 // With q = 1 - x/2, c = 1 - x and p the power: value = k c q^p, and by Leibniz's rule, each derivative of q^p brings p
@@ -177,16 +144,6 @@ template <class D, class V>
 HWY_INLINE V value(const BlinnPhong& l, D d, V x) {
   return hn::Mul(blinn_power(l, d, hn::Min(x, set(d, 1))), hn::Max(hn::Zero(d), hn::Sub(set(d, 1), x)));
 }
-template <class D, class V>
-HWY_INLINE Derivatives<V> derivatives(const BlinnPhong& l, D d, V x, V /*value*/) {
-  const V q = hn::Sub(set(d, 1), hn::Mul(set(d, 0.5), x)), c = hn::Sub(set(d, 1), x), power = blinn_power(l, d, x);
-  const double p = l.power, k = p * std::abs(p - 1) / 4;
-  // k q^(p - 1) x (of_q q + of_cosine c).
-  const auto bent = [&](double of_q, double of_cosine) HWY_ATTR {
-    return hn::Div(hn::Mul(power, hn::Add(hn::Mul(set(d, of_q), q), hn::Mul(set(d, of_cosine), c))), q);
-  };
-  return {bent(1, p / 2), hn::Div(bent(p, p * (p - 1) / 4), q), hn::Div(hn::Div(bent(3 * k, k * (p - 2) / 2), q), q)};
-}
 
 template <class D, class V>
 HWY_INLINE V charlie_power(const Charlie& l, D d, V x) {
@@ -198,54 +155,6 @@ HWY_INLINE V value(const Charlie& l, D d, V x) {
   const V inside = hn::IfThenElseZero(hn::Gt(x, hn::Zero(d)), charlie_power(l, d, hn::Min(x, set(d, 1))));
   return hn::Mul(inside, hn::Max(hn::Zero(d), hn::Sub(set(d, 1), x)));
 }
-// The largest size of k x^(p - order) (of_one - of_x x) over [lo, hi], or more: either factor is largest at an end.
-template <class D, class V>
-HWY_INLINE V charlie_most(const Charlie& l, D d, V lo, V hi, double of_one, double of_x, int order) {
-  const auto powers = [&](V x) HWY_ATTR {
-    V found = charlie_power(l, d, x);
-    for (int k = 0; k < order; ++k) found = hn::Div(found, x);
-    return found;
-  };
-  const auto line = [&](V x) HWY_ATTR { return hn::Abs(hn::Sub(set(d, of_one), hn::Mul(set(d, of_x), x))); };
-  const V from = hn::Max(lo, set(d, 1e-10));
-  return hn::Mul(hn::Max(powers(from), powers(hi)), hn::Max(line(from), line(hi)));
-}
-
-// ---- over an interval -----------------------------------------------------------------------------------------------
-
-/// The largest sizes of the derivatives of a lobe over [lo, hi], hi <= 1.
-template <class L, class D, class V>
-HWY_INLINE Derivatives<V> derivatives_over(const L& l, D d, V lo, V at_lo, V hi, V at_hi) {
-  const auto a = derivatives(l, d, lo, at_lo), b = derivatives(l, d, hi, at_hi);
-  return {hn::Max(a.first, b.first), hn::Max(a.second, b.second), hn::Max(a.third, b.third)};
-}
-// value = k (x^p - x^(p+1)).
-template <class D, class V>
-HWY_INLINE Derivatives<V> derivatives_over(const Charlie& l, D d, V lo, V /*at_lo*/, V hi, V /*at_hi*/) {
-  const double p = l.power, q = p * (p - 1);
-  return {charlie_most(l, d, lo, hi, p, p + 1, 1), charlie_most(l, d, lo, hi, q, p * (p + 1), 2),
-          charlie_most(l, d, lo, hi, q * (p - 2), q * (p + 1), 3)};
-}
-template <class D, class V>
-HWY_INLINE Derivatives<V> derivatives(const Charlie& l, D d, V x, V value) {
-  return derivatives_over(l, d, x, value, x, value);
-}
-
-/// The least and the most of a lobe over [lo, hi].
-template <class V>
-struct Range {
-  V least, most;
-};
-template <class L, class D, class V>
-HWY_INLINE Range<V> range_over(const L& l, D d, V lo, V hi) {
-  return {value(l, d, hi), value(l, d, lo)};
-}
-template <class D, class V>
-HWY_INLINE Range<V> range_over(const Charlie& l, D d, V lo, V hi) {
-  const V peak = hn::Min(hn::Max(set(d, l.peak()), lo), hi);
-  return {hn::Min(value(l, d, lo), value(l, d, hi)), value(l, d, peak)};
-}
-
 }  // namespace HWY_NAMESPACE
 }  // namespace envmap::prefiltering
 HWY_AFTER_NAMESPACE();

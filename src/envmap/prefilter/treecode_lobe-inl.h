@@ -10,6 +10,7 @@
 
 #include "envmap/prefilter/error_floor.h"
 #include "envmap/prefilter/lobe_lanes-inl.h"
+#include "envmap/prefilter/treecode_lobe.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace envmap::prefiltering {
@@ -136,9 +137,7 @@ struct Rest<BlinnPhong> {
   BlinnPhong lobe;
   double p;
   std::array<double, 3> hinges;  ///< Factors of u, u^2 and u^3.
-  explicit Rest(const BlinnPhong& l) : lobe(l), p(l.power), hinges{l.kink(), p * l.kink(), 0} {
-    if (p >= 1) hinges[2] = 0.5 * p * (p - 1) * l.kink();
-  }
+  explicit Rest(const BlinnPhong& l) : lobe(l), p(l.power), hinges(blinn_hinges(l).factors) {}
 
   HWY_INLINE Taylor taylor(V x) const {
     const LaneTag d;

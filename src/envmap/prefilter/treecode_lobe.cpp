@@ -1,5 +1,7 @@
 #include "envmap/prefilter/treecode_lobe.h"
 
+#include <algorithm>
+
 namespace envmap::prefiltering {
 namespace {
 
@@ -9,17 +11,17 @@ TreecodeLobe split(const Ggx& l) {
   return {l, {{first, 2 * first * ratio, 3 * first * ratio * ratio}}, 4};
 }
 
-// k t ((1 + t) / 2)^p: the binomial series. Of powers below 1 the third term is below 0, and stays with the rest.
-TreecodeLobe split(const BlinnPhong& l) {
-  const double first = l.kink(), second = l.power * first, third = 0.5 * (l.power - 1) * second;
-  if (l.power >= 1) return {l, {{first, second, third}}, 4};
-  return {l, {{first, second, 0}}, 3};
-}
+TreecodeLobe split(const BlinnPhong& l) { return {l, blinn_hinges(l), l.power >= 1 ? 4 : 3}; }
 
 // The terms beyond the first alternate, and are many times the lobe.
 TreecodeLobe split(const Charlie& l) { return {l, {{l.kink(), 0, 0}}, 2}; }
 
 }  // namespace
+
+HingePolynomial blinn_hinges(const BlinnPhong& l) {
+  const double first = l.kink(), second = l.power * first, third = 0.5 * (l.power - 1) * second;
+  return {{first, second, std::max(0.0, third)}};
+}
 
 bool TreecodeLobe::has_rest() const { return !hinge_polynomial(lobe); }
 

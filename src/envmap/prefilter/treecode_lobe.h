@@ -24,6 +24,10 @@ struct TreecodeLobe {
   [[nodiscard]] bool has_rest() const;
 };
 
+/// P of Blinn's lobe: the binomial series of k t ((1 + t) / 2)^p. Of powers below 1 the third term is below 0, and
+/// stays with K.
+HingePolynomial blinn_hinges(const BlinnPhong& lobe);
+
 /// Nothing for Phong lobes of exponent 0 to 1, which break off at the horizon.
 std::optional<TreecodeLobe> treecode_lobe(const Lobe& lobe);
 
