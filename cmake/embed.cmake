@@ -1,4 +1,4 @@
-# cmake -DOUTPUT=x.cpp -DFUNCTION=shader_source -DHEADER=envmap/render/shaders.h -DNAMESPACE=envmap
+# cmake -DOUTPUT=x.cpp -DFUNCTION=shader_source -DHEADER=envmap/scenes/render/shaders.h -DNAMESPACE=envmap
 #   -DFILES=a.glsl;b.glsl -P embed.cmake
 # The text of the files as C++, by their names.
 set(text "#include \"${HEADER}\"\n\n")

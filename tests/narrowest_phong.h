@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "envmap/prefilter/multilevel.h"
+#include "envmap/prefilter/multilevel/multilevel.h"
 
 namespace envmap {
 

@@ -7,9 +7,9 @@ import sys
 FUNCTIONS = ('sin cos tan asin acos atan atan2 sinh cosh tanh exp exp2 exp10 expm1 log log2 log10 log1p pow cbrt hypot erf tgamma '
              'lgamma polar slerp radians degrees sinf cosf expf logf powf')
 LIBM = re.compile(r'(?:\b(?:std|glm)::|(?<![\w:.>]))(?:' + FUNCTIONS.replace(' ', '|') + r')\(')
-DRAWING = ('src/envmap/render/', 'src/envmap/scene/')
+DRAWING = ('src/envmap/scenes/render/', 'src/envmap/scenes/scene/', 'src/envmap/scenes/read/')
 # Loops go through base/parallel.h, where TBB is compiled once. The module of formats has no part of the library.
-MAY_INCLUDE_TBB = {'src/envmap/base/parallel.cpp', 'src/envmap/io/openimageio.cpp', 'src/python/module.cpp'}
+MAY_INCLUDE_TBB = {'src/envmap/base/parallel.cpp', 'src/envmap/io/formats/openimageio.cpp', 'src/python/module.cpp'}
 MAY_CALL_LIBM = {'src/envmap/maths/portable.h', 'src/envmap/maths/portable.cpp'}  # Their own names.
 
 root = pathlib.Path(sys.argv[1])

@@ -6,8 +6,8 @@
 
 #include "cli/command_line.h"
 #include "envmap/base/error.h"
-#include "envmap/io/output_file.h"
-#include "shared/maps.h"
+#include "envmap/io/files/output_file.h"
+#include "maps/read_and_write_maps.h"
 
 namespace tools {
 

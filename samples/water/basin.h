@@ -2,7 +2,7 @@
 // columns of a height field, and mirrors and lenses are looked up in dynamic maps.
 #pragma once
 
-#include "envmap/scene/scene.h"
+#include "envmap/scenes/scene/scene.h"
 #include "height_field.h"
 
 namespace water {

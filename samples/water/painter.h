@@ -2,8 +2,8 @@
 #pragma once
 
 #include "basin.h"
-#include "envmap/render/mirrors.h"
-#include "envmap/render/shading.h"
+#include "envmap/scenes/render/mirrors.h"
+#include "envmap/scenes/render/shading/shading.h"
 
 namespace water {
 

@@ -7,8 +7,8 @@
 #include <iostream>
 
 #include "envmap/envmap.h"
-#include "envmap/render/context.h"
-#include "envmap/render/raycast.h"
+#include "envmap/scenes/render/context.h"
+#include "envmap/scenes/render/rays/raycast.h"
 #include "painter.h"
 
 namespace {

@@ -4,5 +4,5 @@
 #pragma once
 
 #include "envmap/envmap.h"
-#include "envmap/offscreen/render_map.h"
-#include "envmap/offscreen/view.h"
+#include "envmap/scenes/render_map.h"
+#include "envmap/scenes/view.h"

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "envmap/operate/convert.h"
+#include "envmap/projection/matching_size.h"
 #include "envmap/sample/padded_level.h"
 
 namespace {

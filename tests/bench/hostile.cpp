@@ -21,7 +21,7 @@
 #include <vector>
 
 #include "envmap/operate/measure.h"
-#include "envmap/prefilter/exact.h"
+#include "envmap/prefilter/exact/exact.h"
 #include "envmap/prefilter/prefilter.h"
 #include "formulae.h"
 

@@ -14,10 +14,10 @@
 #include <vector>
 
 #include "envmap/operate/measure.h"
-#include "envmap/prefilter/exact.h"
-#include "envmap/prefilter/multilevel.h"
+#include "envmap/prefilter/exact/exact.h"
+#include "envmap/prefilter/multilevel/multilevel.h"
 #include "envmap/prefilter/prefilter.h"
-#include "envmap/prefilter/source.h"
+#include "envmap/prefilter/source_cube.h"
 #include "narrowest_phong.h"
 
 namespace {

@@ -22,11 +22,11 @@
 #include <limits>
 #include <string>
 
-#include "envmap/render/choose.h"
-#include "envmap/render/context.h"
-#include "envmap/render/embree_scene.h"
-#include "envmap/render/raycast.h"
-#include "envmap/render/renderer.h"
+#include "envmap/scenes/render/choose_drawing.h"
+#include "envmap/scenes/render/context.h"
+#include "envmap/scenes/render/rays/embree_scene.h"
+#include "envmap/scenes/render/rays/raycast.h"
+#include "envmap/scenes/render/renderer.h"
 
 namespace {
 

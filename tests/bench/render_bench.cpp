@@ -10,10 +10,10 @@
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 
-#include "envmap/render/context.h"
-#include "envmap/render/mirrors.h"
-#include "envmap/render/raycast.h"
-#include "envmap/render/renderer.h"
+#include "envmap/scenes/render/context.h"
+#include "envmap/scenes/render/mirrors.h"
+#include "envmap/scenes/render/rays/raycast.h"
+#include "envmap/scenes/render/renderer.h"
 #include "render/rooms.h"
 
 namespace {

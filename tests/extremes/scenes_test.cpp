@@ -8,11 +8,11 @@
 #include <utility>
 
 #include "envmap/base/error.h"
-#include "envmap/offscreen/render_map.h"
-#include "envmap/offscreen/view.h"
-#include "envmap/render/context.h"
-#include "envmap/render/raycast.h"
-#include "envmap/render/renderer.h"
+#include "envmap/scenes/render/context.h"
+#include "envmap/scenes/render/rays/raycast.h"
+#include "envmap/scenes/render/renderer.h"
+#include "envmap/scenes/render_map.h"
+#include "envmap/scenes/view.h"
 #include "render/drawing.h"
 #include "render/rooms.h"
 

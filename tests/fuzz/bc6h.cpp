@@ -1,4 +1,4 @@
-#include "envmap/io/bc6h.h"
+#include "envmap/io/texels/bc6h.h"
 
 #include <algorithm>
 #include <array>
@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <vector>
 
-#include "envmap/io/bc6h_block.h"
+#include "envmap/io/texels/bc6h_block.h"
 #include "targets.h"
 
 using namespace envmap;

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "envmap/base/error.h"
-#include "envmap/io/gain_map.h"
-#include "envmap/io/read_icc.h"
-#include "envmap/io/xmp.h"
+#include "envmap/io/claims/gain_map.h"
+#include "envmap/io/claims/icc_profile.h"
+#include "envmap/io/claims/xmp.h"
 #include "targets.h"
 
 using namespace envmap;

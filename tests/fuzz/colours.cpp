@@ -1,12 +1,11 @@
 // OpenColorIO parses configs; what is asked of them, and what is made of its errors, is ours.
-#include "envmap/io/colour.h"
-
 #include <algorithm>
 #include <fstream>
 #include <string>
 #include <vector>
 
 #include "envmap/base/error.h"
+#include "envmap/io/claims/colour.h"
 #include "targets.h"
 
 using namespace envmap;

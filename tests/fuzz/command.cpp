@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
-#include "batch/manifest.h"
 #include "cli/command_line.h"
+#include "commands/batch/manifest.h"
 #include "envmap/base/error.h"
-#include "shared/maps.h"
+#include "maps/read_and_write_maps.h"
 #include "sound_scene.h"
 #include "targets.h"
 

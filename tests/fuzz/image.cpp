@@ -1,13 +1,13 @@
 // The readers of images that are ours, each alone; fuzz_read goes through all of them, and through files and pipes.
-#include "envmap/io/image.h"
-
 #include <algorithm>
 #include <cstdlib>
 #include <string>
 #include <vector>
 
 #include "envmap/base/error.h"
-#include "envmap/io/containers.h"
+#include "envmap/io/formats/babylon_env.h"
+#include "envmap/io/formats/ktx.h"
+#include "envmap/io/images/open_image.h"
 #include "targets.h"
 
 using namespace envmap;

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "envmap/engine/level_roughness.h"
 #include "envmap/envmap.h"
 #include "targets.h"
 

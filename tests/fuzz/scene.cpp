@@ -2,7 +2,7 @@
 #include <string>
 
 #include "envmap/base/error.h"
-#include "envmap/scene/read/read_scene.h"
+#include "envmap/scenes/read/read_scene.h"
 #include "sound_scene.h"
 #include "targets.h"
 

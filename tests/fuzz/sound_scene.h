@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "envmap/scene/scene.h"
+#include "envmap/scenes/scene/scene.h"
 #include "targets.h"
 
 /// As a file where the process runs. The first byte tells GLB and glTF from OBJ; with 'n', as in newmtl, they are the

@@ -5,10 +5,9 @@
 #include <string>
 
 #include "envmap/base/error.h"
-#include "envmap/scene/read/obj_document.h"
-#include "envmap/scene/read/read_gltf.h"
-#include "envmap/scene/read/read_mtl.h"
-#include "envmap/scene/read/read_obj.h"
+#include "envmap/scenes/read/read_gltf.h"
+#include "envmap/scenes/read/read_mtl.h"
+#include "envmap/scenes/read/read_obj.h"
 #include "sound_scene.h"
 #include "targets.h"
 

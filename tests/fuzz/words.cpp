@@ -4,7 +4,7 @@
 #include <string>
 
 #include "envmap/base/error.h"
-#include "envmap/io/detect_layout.h"
+#include "envmap/io/images/detect_layout.h"
 #include "targets.h"
 
 using namespace envmap;

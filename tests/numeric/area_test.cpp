@@ -9,6 +9,7 @@
 
 #include "envmap/operate/convert.h"
 #include "envmap/operate/measure.h"
+#include "envmap/projection/matching_size.h"
 #include "envmap/sample/adaptive.h"
 #include "envmap/sample/padded_level.h"
 #include "envmap/sample/quad.h"

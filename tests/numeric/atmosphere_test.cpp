@@ -6,8 +6,8 @@
 #include <random>
 
 #include "envmap/base/error.h"
+#include "envmap/maths/compensated_sum.h"
 #include "envmap/maths/primaries.h"
-#include "envmap/maths/sum.h"
 #include "envmap/operate/air.h"
 #include "envmap/operate/lookup.h"
 #include "envmap/operate/measure.h"

@@ -11,6 +11,7 @@
 #include "envmap/operate/grade.h"
 #include "envmap/operate/lookup.h"
 #include "envmap/operate/measure.h"
+#include "envmap/projection/matching_size.h"
 #include "envmap/projection/visit.h"
 #include "formulae.h"
 

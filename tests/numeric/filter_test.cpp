@@ -9,6 +9,7 @@
 #include "envmap/operate/generate.h"
 #include "envmap/operate/levels.h"
 #include "envmap/operate/measure.h"
+#include "envmap/projection/matching_size.h"
 #include "envmap/projection/visit.h"
 #include "envmap/sample/point.h"
 #include "envmap/sample/pyramid.h"

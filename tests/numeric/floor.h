@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "envmap/map/environment_map.h"
-#include "envmap/maths/sum.h"
+#include "envmap/maths/compensated_sum.h"
 #include "envmap/projection/projection.h"
 
 namespace envmap {

@@ -7,6 +7,7 @@
 #include "envmap/operate/convert.h"
 #include "envmap/operate/lookup.h"
 #include "envmap/operate/measure.h"
+#include "envmap/projection/matching_size.h"
 #include "formulae.h"
 #include "numeric/floor.h"
 

@@ -7,8 +7,8 @@
 
 #include "envmap/operate/generate.h"
 #include "envmap/operate/measure.h"
+#include "envmap/prefilter/harmonics_window.h"
 #include "envmap/prefilter/prefilter.h"
-#include "envmap/prefilter/window.h"
 
 namespace envmap::harmonics_test {
 namespace {

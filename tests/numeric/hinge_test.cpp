@@ -1,6 +1,4 @@
 // Sums at the horizon against the exact sum, which integrates round the borders of texels: each within its own bound.
-#include "envmap/prefilter/hinge.h"
-
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -8,10 +6,11 @@
 #include <random>
 
 #include "envmap/operate/measure.h"
-#include "envmap/prefilter/exact.h"
+#include "envmap/prefilter/exact/exact.h"
 #include "envmap/prefilter/prefilter.h"
-#include "envmap/prefilter/source.h"
-#include "envmap/prefilter/treecode_tree.h"
+#include "envmap/prefilter/prefix_sums/prefix_sums.h"
+#include "envmap/prefilter/source_cube.h"
+#include "envmap/prefilter/treecode/tree.h"
 
 namespace hinge_test {
 namespace {

@@ -1,5 +1,5 @@
 // Multilevel sums against the exact sum: every texel within its own bound.
-#include "envmap/prefilter/multilevel.h"
+#include "envmap/prefilter/multilevel/multilevel.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -8,9 +8,9 @@
 #include <random>
 
 #include "envmap/operate/measure.h"
-#include "envmap/prefilter/exact.h"
+#include "envmap/prefilter/exact/exact.h"
 #include "envmap/prefilter/prefilter.h"
-#include "envmap/prefilter/source.h"
+#include "envmap/prefilter/source_cube.h"
 #include "narrowest_phong.h"
 
 namespace multilevel_test {

@@ -12,8 +12,8 @@
 #include "envmap/operate/convert.h"
 #include "envmap/operate/generate.h"
 #include "envmap/operate/measure.h"
-#include "envmap/prefilter/exact.h"
-#include "envmap/prefilter/source.h"
+#include "envmap/prefilter/exact/exact.h"
+#include "envmap/prefilter/source_cube.h"
 #include "every_target.h"
 #include "formulae.h"
 

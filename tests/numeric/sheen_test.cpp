@@ -1,4 +1,6 @@
 // Sums of sheen by blocks against the exact sum, and against an integral of the formula.
+#include "envmap/prefilter/sheen/sheen.h"
+
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -9,10 +11,9 @@
 #include <random>
 
 #include "envmap/operate/measure.h"
-#include "envmap/prefilter/exact.h"
+#include "envmap/prefilter/exact/exact.h"
 #include "envmap/prefilter/prefilter.h"
-#include "envmap/prefilter/sheen_sum.h"
-#include "envmap/prefilter/source.h"
+#include "envmap/prefilter/source_cube.h"
 
 namespace {
 

@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "drawing.h"
-#include "envmap/render/raycast.h"
-#include "envmap/render/renderer.h"
+#include "envmap/scenes/render/rays/raycast.h"
+#include "envmap/scenes/render/renderer.h"
 #include "small_scenes.h"
 
 namespace blend_test {

@@ -10,7 +10,7 @@
 #include "envmap/io/read.h"
 #include "envmap/io/write.h"
 #include "envmap/operate/generate.h"
-#include "envmap/render/gl.h"
+#include "envmap/scenes/render/gl.h"
 
 namespace cube_files_test {
 namespace {

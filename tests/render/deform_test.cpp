@@ -1,10 +1,9 @@
 // Meshes that change their shape, against closed forms, and drawn by OpenGL against rays.
-#include "envmap/scene/deform.h"
-
 #include "drawing.h"
-#include "envmap/offscreen/lit_scene.h"
-#include "envmap/render/raycast.h"
-#include "envmap/render/renderer.h"
+#include "envmap/scenes/lit_scene.h"
+#include "envmap/scenes/render/rays/raycast.h"
+#include "envmap/scenes/render/renderer.h"
+#include "envmap/scenes/scene/skin_and_morph.h"
 #include "gltf_file.h"
 #include "rooms.h"
 

@@ -6,8 +6,8 @@
 
 #include "drawing.h"
 #include "envmap/operate/measure.h"
-#include "envmap/render/raycast.h"
-#include "envmap/render/renderer.h"
+#include "envmap/scenes/render/rays/raycast.h"
+#include "envmap/scenes/render/renderer.h"
 #include "gltf_file.h"
 #include "rooms.h"
 

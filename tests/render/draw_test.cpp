@@ -4,10 +4,10 @@
 #include <random>
 
 #include "drawing.h"
-#include "envmap/render/choose.h"
-#include "envmap/render/raycast.h"
-#include "envmap/render/renderer.h"
-#include "envmap/render/shading.h"
+#include "envmap/scenes/render/choose_drawing.h"
+#include "envmap/scenes/render/rays/raycast.h"
+#include "envmap/scenes/render/renderer.h"
+#include "envmap/scenes/render/shading/shading.h"
 #include "rooms.h"
 #include "small_scenes.h"
 

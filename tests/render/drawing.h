@@ -4,7 +4,7 @@
 
 #include <string_view>
 
-#include "envmap/render/context.h"
+#include "envmap/scenes/render/context.h"
 #include "on_processor.h"
 
 namespace drawing {

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "drawing.h"
-#include "envmap/render/mirrors.h"
-#include "envmap/render/raycast.h"
+#include "envmap/scenes/render/mirrors.h"
+#include "envmap/scenes/render/rays/raycast.h"
 #include "rooms.h"
 
 namespace flat_mirror_test {

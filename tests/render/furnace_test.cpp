@@ -3,8 +3,8 @@
 
 #include "drawing.h"
 #include "envmap/operate/generate.h"
-#include "envmap/render/mirrors.h"
-#include "envmap/render/shading.h"
+#include "envmap/scenes/render/mirrors.h"
+#include "envmap/scenes/render/shading/shading.h"
 #include "rooms.h"
 
 namespace furnace_test {

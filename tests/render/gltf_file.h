@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "envmap/base/error.h"
-#include "envmap/scene/read/read_scene.h"
+#include "envmap/scenes/read/read_scene.h"
 
 namespace scenes {
 

@@ -1,15 +1,15 @@
 // Integrals of lobes over an environment, against dense sums over the sphere with the formulae of glTF 2.0's appendix
 // B.
-#include "envmap/render/lobe_integral.h"
+#include "envmap/scenes/render/rays/lobe_integral.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "envmap/operate/generate.h"
-#include "envmap/render/raycast.h"
-#include "envmap/render/shading.h"
-#include "envmap/render/sheen.h"
+#include "envmap/scenes/render/rays/raycast.h"
+#include "envmap/scenes/render/shading/shading.h"
+#include "envmap/scenes/render/shading/sheen_brdf.h"
 
 namespace lobe_integral_test {
 namespace {

@@ -20,9 +20,9 @@
 #include "envmap/io/write_distances.h"
 #include "envmap/map/layout.h"
 #include "envmap/operate/generate.h"
-#include "envmap/render/gl.h"
-#include "envmap/render/raycast.h"
-#include "envmap/scene/read/read_scene.h"
+#include "envmap/scenes/read/read_scene.h"
+#include "envmap/scenes/render/gl.h"
+#include "envmap/scenes/render/rays/raycast.h"
 
 namespace lookups_test {
 namespace {

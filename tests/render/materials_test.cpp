@@ -6,13 +6,13 @@
 #include <map>
 
 #include "drawing.h"
-#include "envmap/render/choose.h"
-#include "envmap/render/raycast.h"
-#include "envmap/render/renderer.h"
-#include "envmap/render/sampled_reflection.h"
-#include "envmap/render/shading.h"
-#include "envmap/render/sheen.h"
-#include "envmap/scene/tangents.h"
+#include "envmap/scenes/render/choose_drawing.h"
+#include "envmap/scenes/render/rays/raycast.h"
+#include "envmap/scenes/render/renderer.h"
+#include "envmap/scenes/render/shading/sampled_reflection.h"
+#include "envmap/scenes/render/shading/shading.h"
+#include "envmap/scenes/render/shading/sheen_brdf.h"
+#include "envmap/scenes/scene/tangents.h"
 #include "rooms.h"
 
 namespace materials_test {

@@ -1,11 +1,10 @@
 // What a mirror shows, against rays reflected at random places of it.
-#include "envmap/render/needed.h"
-
 #include <gtest/gtest.h>
 
 #include <random>
 
 #include "envmap/projection/visit.h"
+#include "envmap/scenes/render/visible_directions.h"
 #include "rooms.h"
 
 namespace envmap::needed_test {

@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "drawing.h"
-#include "envmap/render/raycast.h"
-#include "envmap/render/renderer.h"
-#include "envmap/scene/tangents.h"
+#include "envmap/scenes/render/rays/raycast.h"
+#include "envmap/scenes/render/renderer.h"
+#include "envmap/scenes/scene/tangents.h"
 #include "small_scenes.h"
 
 namespace normal_map_test {

@@ -2,8 +2,8 @@
 #include <cmath>
 #include <random>
 
-#include "envmap/scene/read/read_scene.h"
-#include "envmap/scene/read/triangulate.h"
+#include "envmap/scenes/read/read_scene.h"
+#include "envmap/scenes/read/triangulate.h"
 #include "render/gltf_file.h"
 
 namespace scenes::obj_test {

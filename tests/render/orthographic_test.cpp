@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 
 #include "drawing.h"
-#include "envmap/render/raycast.h"
-#include "envmap/render/renderer.h"
+#include "envmap/scenes/render/rays/raycast.h"
+#include "envmap/scenes/render/renderer.h"
 #include "small_scenes.h"
 
 namespace orthographic_test {

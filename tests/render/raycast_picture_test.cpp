@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "envmap/operate/generate.h"
-#include "envmap/render/raycast.h"
-#include "envmap/render/shading.h"
+#include "envmap/scenes/render/rays/raycast.h"
+#include "envmap/scenes/render/shading/shading.h"
 #include "rooms.h"
 
 namespace raycast_picture_test {

@@ -1,5 +1,5 @@
 // Cast maps against what geometry says without a tree of boxes.
-#include "envmap/render/raycast.h"
+#include "envmap/scenes/render/rays/raycast.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -11,9 +11,9 @@
 
 #include "envmap/operate/generate.h"
 #include "envmap/operate/lookup.h"
-#include "envmap/render/shading.h"
-#include "envmap/render/texture_sample.h"
-#include "envmap/scene/mesh.h"
+#include "envmap/scenes/render/rays/texture_sample.h"
+#include "envmap/scenes/render/shading/shading.h"
+#include "envmap/scenes/scene/mesh.h"
 
 namespace raycast_test {
 namespace {

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <limits>
 
-#include "envmap/render/draw.h"
 #include "envmap/projection/visit.h"
+#include "envmap/scenes/render/draw.h"
 
 namespace rooms {
 

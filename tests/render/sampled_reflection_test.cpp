@@ -1,13 +1,13 @@
 // Reflections by samples of the lobe, against sums over suns and half vectors with the formulae of glTF 2.0's appendix
 // B.
-#include "envmap/render/sampled_reflection.h"
+#include "envmap/scenes/render/shading/sampled_reflection.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "envmap/operate/generate.h"
-#include "envmap/render/shading.h"
+#include "envmap/scenes/render/shading/shading.h"
 
 namespace sampled_reflection_test {
 namespace {

@@ -8,9 +8,9 @@
 #include <limits>
 
 #include "envmap/base/error.h"
-#include "envmap/io/scene_folder.h"
-#include "envmap/scene/camera.h"
-#include "envmap/scene/read/read_scene.h"
+#include "envmap/io/files/scene_folder.h"
+#include "envmap/scenes/read/read_scene.h"
+#include "envmap/scenes/scene/camera.h"
 #include "render/gltf_file.h"
 
 namespace scenes::scene_test {

@@ -1,6 +1,5 @@
 // The shaders' formulae against those in C++, and that nothing is left out of a program without a word.
-#include "envmap/render/shaders.h"
-#include "envmap/projection/visit.h"
+#include "envmap/scenes/render/shaders.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -8,9 +7,10 @@
 #include <random>
 
 #include "drawing.h"
-#include "envmap/render/choose.h"
-#include "envmap/render/image.h"
-#include "envmap/render/programs.h"
+#include "envmap/projection/visit.h"
+#include "envmap/scenes/render/choose_drawing.h"
+#include "envmap/scenes/render/face_image.h"
+#include "envmap/scenes/render/programs.h"
 
 namespace shaders_test {
 namespace {

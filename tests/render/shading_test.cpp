@@ -1,5 +1,5 @@
 // Surfaces under light, against integrals of their own and white rooms.
-#include "envmap/render/shading.h"
+#include "envmap/scenes/render/shading/shading.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 
 #include "envmap/operate/generate.h"
 #include "envmap/operate/lookup.h"
-#include "envmap/render/sheen.h"
+#include "envmap/scenes/render/shading/sheen_brdf.h"
 
 namespace shading_test {
 namespace {

@@ -4,9 +4,9 @@
 #include "drawing.h"
 #include "envmap/operate/generate.h"
 #include "envmap/operate/measure.h"
-#include "envmap/render/mirrors.h"
-#include "envmap/render/raycast.h"
-#include "envmap/render/shading.h"
+#include "envmap/scenes/render/mirrors.h"
+#include "envmap/scenes/render/rays/raycast.h"
+#include "envmap/scenes/render/shading/shading.h"
 #include "rooms.h"
 
 namespace view_test {

@@ -6,7 +6,7 @@
 
 #include "drawing.h"
 #include "envmap/operate/generate.h"
-#include "envmap/render/raycast.h"
+#include "envmap/scenes/render/rays/raycast.h"
 #include "painter.h"
 
 namespace water_test {

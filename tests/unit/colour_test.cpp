@@ -1,5 +1,5 @@
 // Matrices against published ones and against those that OpenColorIO has built in; names; the bridge to other configs.
-#include "envmap/io/colour.h"
+#include "envmap/io/claims/colour.h"
 
 #include <OpenColorIO/OpenColorIO.h>
 #include <gtest/gtest.h>

@@ -1,9 +1,9 @@
 // Tone curves against their definitions.
-#include "envmap/io/display.h"
-
 #include <gtest/gtest.h>
 
 #include <array>
+
+#include "envmap/io/images/picture.h"
 
 namespace display_test {
 namespace {

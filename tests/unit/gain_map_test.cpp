@@ -1,5 +1,5 @@
 // Gain maps by the formulae of their specifications.
-#include "envmap/io/gain_map.h"
+#include "envmap/io/claims/gain_map.h"
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,8 @@
 // JPEG images of all kinds, written by libjpeg's encoder. OpenImageIO is the other reader.
+#include "envmap/io/formats/jpeg.h"
+
 #include <fmt/format.h>
 #include <gtest/gtest.h>
-
-#include "envmap/io/row_readers.h"
 
 // The second needs the first.
 // clang-format off
@@ -13,7 +13,7 @@
 #include <random>
 
 #include "envmap/base/error.h"
-#include "envmap/io/formats.h"
+#include "envmap/io/formats/openimageio_module.h"
 #include "unit/texels_read.h"
 
 namespace envmap::jpeg_test {

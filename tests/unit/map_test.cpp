@@ -4,7 +4,7 @@
 #include <random>
 
 #include "envmap/base/error.h"
-#include "envmap/io/detect_layout.h"
+#include "envmap/io/images/detect_layout.h"
 #include "envmap/map/atlas.h"
 #include "envmap/operate/generate.h"
 #include "envmap/projection/visit.h"

@@ -2,8 +2,8 @@
 
 #include <cmath>
 
+#include "envmap/maths/compensated_sum.h"
 #include "envmap/maths/quadrature.h"
-#include "envmap/maths/sum.h"
 #include "envmap/maths/vector.h"
 
 namespace envmap::maths_test {

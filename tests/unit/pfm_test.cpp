@@ -1,9 +1,10 @@
 // Portable float maps, read by OpenImageIO, too, which is another reader.
+#include "envmap/io/formats/pfm.h"
+
 #include <gtest/gtest.h>
 
 #include "envmap/base/error.h"
-#include "envmap/io/formats.h"
-#include "envmap/io/row_readers.h"
+#include "envmap/io/formats/openimageio_module.h"
 #include "unit/texels_read.h"
 
 namespace envmap::pfm_test {

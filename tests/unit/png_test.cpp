@@ -1,11 +1,11 @@
 // PNG images of all kinds, written by libpng's writer and read by OpenImageIO, too, which is another reader.
-#include "envmap/io/png.h"
+#include "envmap/io/formats/png.h"
 
 #include <gtest/gtest.h>
 #include <png.h>
 
 #include "envmap/base/error.h"
-#include "envmap/io/formats.h"
+#include "envmap/io/formats/openimageio_module.h"
 #include "unit/texels_read.h"
 
 namespace envmap::png_test {

@@ -1,10 +1,10 @@
 // Directions and locations: against the plain formulae, in float and double, at poles, seams, rims and -Z.
-#include "envmap/projection/visit.h"
-
 #include <gtest/gtest.h>
 
 #include <random>
 
+#include "envmap/projection/matching_size.h"
+#include "envmap/projection/visit.h"
 #include "formulae.h"
 
 namespace envmap::projection_test {

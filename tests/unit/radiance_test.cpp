@@ -1,5 +1,5 @@
 // Radiance pictures: made by hand as the format defines them, and what we write read by OpenImageIO.
-#include "envmap/io/radiance.h"
+#include "envmap/io/formats/radiance.h"
 
 #include <gtest/gtest.h>
 #include <stdlib.h>
@@ -12,8 +12,8 @@
 #include <string>
 
 #include "envmap/base/error.h"
-#include "envmap/io/formats.h"
-#include "envmap/io/orientation.h"
+#include "envmap/io/formats/openimageio_module.h"
+#include "envmap/io/images/exif_orientation.h"
 
 namespace radiance_test {
 namespace {

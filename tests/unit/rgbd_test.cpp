@@ -1,12 +1,12 @@
 // Radiance as bytes of RGBD, by the formula of Babylon.js' fromRGBD in long double.
-#include "envmap/io/rgbd.h"
+#include "envmap/io/texels/rgbd.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
 
-#include "envmap/io/png.h"
+#include "envmap/io/formats/png.h"
 
 namespace envmap::rgbd_test {
 namespace {

@@ -1,7 +1,7 @@
 // Texel solid angles: sums, independent integrals, symmetry.
 #include <gtest/gtest.h>
 
-#include "envmap/maths/sum.h"
+#include "envmap/maths/compensated_sum.h"
 #include "envmap/projection/visit.h"
 #include "formulae.h"
 

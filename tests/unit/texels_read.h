@@ -6,7 +6,7 @@
 
 #include <vector>
 
-#include "envmap/io/image_reader.h"
+#include "envmap/io/images/image_reader.h"
 
 namespace envmap {
 

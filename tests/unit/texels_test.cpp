@@ -1,5 +1,5 @@
 // Texels as GPUs hold them, against values worked out by hand.
-#include "envmap/io/texels.h"
+#include "envmap/io/texels/texels.h"
 
 #include <gtest/gtest.h>
 #include <half.h>
@@ -9,8 +9,6 @@
 #include <cmath>
 #include <cstring>
 #include <random>
-
-#include "envmap/io/half.h"
 
 namespace envmap::texels_test {
 namespace {

@@ -1,4 +1,6 @@
 // TIFF images of all kinds, written by libtiff. OpenImageIO is the other reader.
+#include "envmap/io/formats/tiff.h"
+
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <tiffio.h>
@@ -11,8 +13,7 @@
 #include <random>
 
 #include "envmap/base/error.h"
-#include "envmap/io/formats.h"
-#include "envmap/io/row_readers.h"
+#include "envmap/io/formats/openimageio_module.h"
 #include "unit/texels_read.h"
 
 namespace envmap::tiff_test {

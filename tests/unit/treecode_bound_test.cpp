@@ -7,7 +7,7 @@
 #include <random>
 #include <vector>
 
-#include "envmap/prefilter/treecode_kernels.h"
+#include "envmap/prefilter/treecode/treecode_kernels.h"
 #include "every_target.h"
 
 namespace envmap::prefiltering::treecode_bound_test {

@@ -9,7 +9,7 @@
 
 #include "cli/help.h"
 #include "envmap/base/error.h"
-#include "envmap/base/near_words.h"
+#include "envmap/base/suggestions.h"
 
 namespace tools {
 namespace {

@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
-#include "envmap/base/progress.h"
-#include "envmap/io/commit.h"
+#include "envmap/base/run.h"
+#include "envmap/io/files/commit.h"
 
 namespace tools {
 

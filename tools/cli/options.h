@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "envmap/base/bounds.h"
-#include "envmap/base/split.h"
+#include "envmap/base/words.h"
 #include "envmap/maths/vector.h"
 
 namespace tools {

@@ -6,11 +6,11 @@
 
 #include "cli/embedded.h"
 #include "cli/options.h"
+#include "engines/engine_options.h"
 #include "envmap/base/words.h"
 #include "envmap/io/face_files.h"
-#include "envmap/io/file_format.h"
+#include "envmap/io/formats/file_format.h"
 #include "envmap/sample/filter.h"
-#include "shared/engine_options.h"
 
 namespace tools {
 namespace {

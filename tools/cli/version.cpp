@@ -3,7 +3,7 @@
 #include "cli/command_line.h"
 #include "commit.h"
 #include "envmap/base/error.h"
-#include "envmap/render/context.h"
+#include "envmap/scenes/render/context.h"
 
 namespace tools {
 

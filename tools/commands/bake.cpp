@@ -7,13 +7,14 @@
 #include <vector>
 
 #include "command.h"
+#include "engines/engine_options.h"
 #include "envmap/base/error.h"
 #include "envmap/engine/engines.h"
-#include "envmap/io/rounding.h"
+#include "envmap/engine/level_roughness.h"
+#include "envmap/io/texels/rounding.h"
 #include "envmap/maths/portable.h"
-#include "shared/engine_options.h"
-#include "shared/map_options.h"
-#include "shared/maps.h"
+#include "maps/map_options.h"
+#include "maps/read_and_write_maps.h"
 
 namespace tools {
 namespace {

@@ -9,14 +9,14 @@
 
 #include "command.h"
 #include "envmap/base/error.h"
-#include "envmap/io/path.h"
+#include "envmap/io/files/face_names.h"
 #include "envmap/map/check_chain.h"
 #include "envmap/maths/portable.h"
 #include "envmap/operate/convert.h"
 #include "envmap/operate/grade.h"
 #include "envmap/operate/measure.h"
-#include "shared/map_options.h"
-#include "shared/maps.h"
+#include "maps/map_options.h"
+#include "maps/read_and_write_maps.h"
 
 namespace tools {
 namespace {

@@ -10,8 +10,8 @@
 #include "envmap/base/words.h"
 #include "envmap/maths/portable.h"
 #include "envmap/operate/atmosphere.h"
-#include "shared/map_options.h"
-#include "shared/maps.h"
+#include "maps/map_options.h"
+#include "maps/read_and_write_maps.h"
 
 namespace tools {
 namespace {

@@ -7,16 +7,16 @@
 #include "cli/failure.h"
 #include "command.h"
 #include "envmap/base/error.h"
-#include "envmap/io/file_format.h"
-#include "envmap/offscreen/lit_scene.h"
+#include "envmap/io/formats/file_format.h"
 #include "envmap/operate/measure.h"
 #include "envmap/operate/sampling.h"
-#include "envmap/scene/read/read_scene.h"
+#include "envmap/scenes/lit_scene.h"
+#include "envmap/scenes/read/read_scene.h"
+#include "maps/map_facts.h"
+#include "maps/map_options.h"
+#include "maps/read_and_write_maps.h"
 #include "scenes/scene_facts.h"
 #include "scenes/scene_options.h"
-#include "shared/facts.h"
-#include "shared/map_options.h"
-#include "shared/maps.h"
 
 namespace tools {
 namespace {

@@ -2,14 +2,14 @@
 
 #include "command.h"
 #include "envmap/base/error.h"
-#include "envmap/engine/baker.h"
-#include "envmap/io/file_format.h"
-#include "envmap/io/rounding.h"
+#include "envmap/engine/baked_maps.h"
+#include "envmap/io/formats/file_format.h"
 #include "envmap/io/shard.h"
+#include "envmap/io/texels/rounding.h"
 #include "envmap/operate/levels.h"
-#include "shared/map_options.h"
-#include "shared/maps.h"
-#include "shared/shard.h"
+#include "maps/map_options.h"
+#include "maps/read_and_write_maps.h"
+#include "maps/shard_options.h"
 
 namespace tools {
 namespace {

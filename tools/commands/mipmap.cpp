@@ -1,16 +1,16 @@
 #include <fmt/format.h>
 
 #include "command.h"
+#include "engines/engine_options.h"
 #include "envmap/base/error.h"
-#include "envmap/engine/baker.h"
+#include "envmap/engine/baked_maps.h"
 #include "envmap/operate/convert.h"
 #include "envmap/operate/levels.h"
 #include "envmap/operate/measure.h"
-#include "shared/engine_options.h"
-#include "shared/grade.h"
-#include "shared/map_options.h"
-#include "shared/maps.h"
-#include "shared/shard.h"
+#include "maps/colour_and_light_options.h"
+#include "maps/map_options.h"
+#include "maps/read_and_write_maps.h"
+#include "maps/shard_options.h"
 
 namespace tools {
 namespace {

@@ -8,19 +8,21 @@
 
 #include "cli/console.h"
 #include "command.h"
+#include "engines/engine_options.h"
 #include "envmap/base/error.h"
 #include "envmap/base/words.h"
-#include "envmap/engine/baker.h"
-#include "envmap/io/path.h"
-#include "envmap/io/rounding.h"
+#include "envmap/engine/baked_maps.h"
+#include "envmap/engine/level_roughness.h"
+#include "envmap/io/files/face_names.h"
+#include "envmap/io/texels/rounding.h"
 #include "envmap/io/write_table.h"
 #include "envmap/map/atlas.h"
 #include "envmap/maths/portable.h"
 #include "envmap/prefilter/brdf_table.h"
-#include "shared/engine_options.h"
-#include "shared/grade.h"
-#include "shared/maps.h"
-#include "shared/shard.h"
+#include "envmap/projection/matching_size.h"
+#include "maps/colour_and_light_options.h"
+#include "maps/read_and_write_maps.h"
+#include "maps/shard_options.h"
 
 namespace tools {
 namespace {

@@ -3,9 +3,9 @@
 #include "command.h"
 #include "envmap/base/error.h"
 #include "envmap/prefilter/harmonics.h"
-#include "envmap/prefilter/window.h"
-#include "shared/map_options.h"
-#include "shared/maps.h"
+#include "envmap/prefilter/harmonics_window.h"
+#include "maps/map_options.h"
+#include "maps/read_and_write_maps.h"
 
 namespace tools {
 namespace {

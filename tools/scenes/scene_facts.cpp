@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "envmap/render/draw.h"
+#include "envmap/scenes/render/draw.h"
 
 namespace tools {
 

@@ -4,8 +4,8 @@
 #include <string>
 
 #include "cli/report.h"
-#include "envmap/scene/scene.h"
-#include "shared/facts.h"
+#include "envmap/scenes/scene/scene.h"
+#include "maps/map_facts.h"
 
 namespace tools {
 

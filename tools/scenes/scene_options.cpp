@@ -6,11 +6,11 @@
 
 #include "cli/console.h"
 #include "envmap/base/error.h"
-#include "envmap/io/scene_folder.h"
+#include "envmap/io/files/scene_folder.h"
 #include "envmap/operate/check_options.h"
-#include "envmap/scene/read/read_scene.h"
-#include "shared/map_options.h"
-#include "shared/maps.h"
+#include "envmap/scenes/read/read_scene.h"
+#include "maps/map_options.h"
+#include "maps/read_and_write_maps.h"
 
 namespace tools {
 

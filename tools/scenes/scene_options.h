@@ -10,9 +10,9 @@
 #include "cli/options.h"
 #include "envmap/base/part_progress.h"
 #include "envmap/io/read.h"
-#include "envmap/offscreen/lit_scene.h"
-#include "envmap/render/context.h"
-#include "envmap/render/draw.h"
+#include "envmap/scenes/lit_scene.h"
+#include "envmap/scenes/render/context.h"
+#include "envmap/scenes/render/draw.h"
 
 namespace tools {
 

@@ -5,7 +5,7 @@
 #include <functional>
 #include <vector>
 
-#include "envmap/base/progress.h"
+#include "envmap/base/run.h"
 
 namespace envmap {
 

@@ -2,7 +2,7 @@
 /// The progress of a part of an operation.
 #pragma once
 
-#include "envmap/base/progress.h"
+#include "envmap/base/run.h"
 
 namespace envmap {
 

@@ -3,12 +3,17 @@
 #pragma once
 
 #include <exception>
+#include <functional>
 #include <stop_token>
 
 #include "envmap/base/export.h"
-#include "envmap/base/progress.h"
 
 namespace ENVMAP_EXPORT envmap {
+
+/// Receives the part done: one call at a time, from any thread, with values that never fall and end at 1. An
+/// exception that it throws cancels the operation and leaves the call; no file is written. It may be empty. It must
+/// not use the object that calls it.
+using Progress = std::function<void(double)>;
 
 /// The last argument of operations that take time. An operation that is stopped leaves no file, and a file that was
 /// there stays.

@@ -8,8 +8,20 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace envmap {
+
+/// The parts of a text between the marks: one more than there are marks.
+inline std::vector<std::string> split(std::string_view text, char mark) {
+  std::vector<std::string> parts(1);
+  for (const char c : text)
+    if (c == mark)
+      parts.emplace_back();
+    else
+      parts.back() += c;
+  return parts;
+}
 
 /// The words of some things, with `between` between them.
 template <class Things, class Word = std::identity>

@@ -9,7 +9,7 @@
 
 #include "envmap/base/error.h"
 #include "envmap/engine/engine_text.h"
-#include "envmap/engine/shader_text.h"
+#include "envmap/engine/lookup_shaders.h"
 #include "envmap/maths/portable.h"
 
 namespace envmap {
@@ -42,7 +42,7 @@ const Engine rows[] = {
         .axes = "-X +Y +Z",
         .mirrored = "file",
     },
-    // io/containers.h; irradiance.cpp.
+    // io/formats/babylon_env.h; irradiance.cpp.
     {
         .name = "babylon-env",
         .title = "Babylon.js (.env)",
@@ -103,7 +103,7 @@ const Engine rows[] = {
         .table = "brdf.exr",
         .irradiance = "irradiance.txt",
     },
-    // io/containers.h; irradiance.cpp.
+    // io/formats/babylon_env.h; irradiance.cpp.
     {
         .name = "gltf",
         .title = "glTF EXT_lights_image_based",
@@ -234,18 +234,6 @@ const EngineMap& chain_of(const Engine& engine) {
   for (const EngineMap& map : engine.maps)
     if (map.chain) return map;
   throw UsageError(fmt::format("{} takes no levels of rising roughness", engine.title));
-}
-
-std::vector<double> level_roughnesses(const EngineMap& map, int size, std::optional<int> levels,
-                                      std::string_view size_name) {
-  check_range(limits::size, size);
-  if (!map.chain) throw UsageError(fmt::format("{} has no chain", map.file));
-  const int possible = std::bit_width(unsigned(size)), fixed = levels.value_or(map.chain->levels);
-  const int count = fixed > 0 ? fixed : possible;
-  if (count > possible) throw UsageError(fmt::format("{} {}: {} has {} levels", size_name, size, map.file, count));
-  std::vector<double> roughnesses;
-  for (int k = 0; k < count; ++k) roughnesses.push_back(count > 1 ? map.chain->roughness(k, count, size) : 0);
-  return roughnesses;
 }
 
 std::string turns_of(const Engine& e) {

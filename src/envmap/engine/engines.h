@@ -10,7 +10,7 @@
 
 #include "envmap/base/enumerators.h"
 #include "envmap/base/export.h"
-#include "envmap/io/depth.h"
+#include "envmap/io/images/depth.h"
 #include "envmap/map/environment_map.h"
 
 namespace ENVMAP_EXPORT envmap {
@@ -72,12 +72,6 @@ const Engine& engine_named(std::string_view name);
 
 /// The map of an engine that has levels of rising roughness. @throws UsageError where it takes none.
 const EngineMap& chain_of(const Engine& engine);
-
-/// The roughness that the engine's shader looks for in each level of a chain.
-/// @param map has a chain. @param size height of a face of the first level. @param levels absent: as many as the engine
-/// takes. @param size_name names `size` in the error. @throws UsageError where the size does not have so many levels.
-std::vector<double> level_roughnesses(const EngineMap& map, int size, std::optional<int> levels = {},
-                                      std::string_view size_name = "size");
 
 /// The orientation of a map in the engine's world, in sentences.
 std::string turns_of(const Engine& engine);

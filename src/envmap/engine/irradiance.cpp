@@ -4,9 +4,9 @@
 
 #include <vector>
 
-#include "envmap/io/json_array.h"
+#include "envmap/io/formats/json_array.h"
 #include "envmap/prefilter/harmonics.h"
-#include "envmap/prefilter/window.h"
+#include "envmap/prefilter/harmonics_window.h"
 
 namespace envmap {
 namespace {

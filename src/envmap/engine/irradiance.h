@@ -5,7 +5,7 @@
 #include <string>
 #include <utility>
 
-#include "envmap/base/progress.h"
+#include "envmap/base/run.h"
 #include "envmap/engine/engines.h"
 #include "envmap/map/environment_map.h"
 

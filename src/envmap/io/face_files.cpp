@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "envmap/base/error.h"
-#include "envmap/base/split.h"
+#include "envmap/base/words.h"
 #include "envmap/map/layout.h"
 
 namespace envmap {

@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "envmap/base/export.h"
-#include "envmap/io/image_reader.h"
+#include "envmap/io/images/image_reader.h"
 
 namespace ENVMAP_EXPORT envmap {
 

@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "envmap/base/export.h"
-#include "envmap/io/image_reader.h"
+#include "envmap/io/images/image_reader.h"
 #include "envmap/map/environment_map.h"
 #include "envmap/map/layout.h"
 
@@ -31,8 +31,8 @@ struct Metadata {
   std::optional<Layout> layout = {};
   std::optional<Forward> forward = {};
   std::optional<int> levels = {};  ///< Of a chain that ends early in a file that must go on to one texel.
-  std::optional<int> border = {};  ///< Texels round an octahedral map: map/border.h.
-  /// Of its values, by the name of a built-in colour space without spaces (io/colour.h); else empty.
+  std::optional<int> border = {};  ///< Texels round an octahedral map: map/octahedral_border.h.
+  /// Of its values, by the name of a built-in colour space without spaces (io/claims/colour.h); else empty.
   std::string space = {};
   Facts facts = {};
   Provenance provenance = {};

@@ -9,8 +9,8 @@
 #include <optional>
 
 #include "envmap/base/error.h"
-#include "envmap/io/image.h"
-#include "envmap/io/level_images.h"
+#include "envmap/io/images/mip_chain.h"
+#include "envmap/io/images/open_image.h"
 #include "envmap/io/metadata.h"
 #include "envmap/map/atlas.h"
 #include "envmap/operate/measure.h"

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <functional>
 #include <limits>
 #include <memory>
@@ -12,26 +13,27 @@
 #include "envmap/base/carry_out.h"
 #include "envmap/base/error.h"
 #include "envmap/base/part_progress.h"
-#include "envmap/io/bands.h"
-#include "envmap/io/file_format.h"
-#include "envmap/io/icc_profile.h"
-#include "envmap/io/image_writer.h"
-#include "envmap/io/level_images.h"
-#include "envmap/io/limit.h"
+#include "envmap/io/claims/icc_profile.h"
+#include "envmap/io/claims/srgb.h"
+#include "envmap/io/files/face_names.h"
+#include "envmap/io/files/output_file.h"
+#include "envmap/io/formats/file_format.h"
+#include "envmap/io/images/bands.h"
+#include "envmap/io/images/exif_orientation.h"
+#include "envmap/io/images/image_writer.h"
+#include "envmap/io/images/mip_chain.h"
 #include "envmap/io/metadata.h"
-#include "envmap/io/orientation.h"
-#include "envmap/io/output_file.h"
-#include "envmap/io/path.h"
-#include "envmap/io/rounding.h"
-#include "envmap/io/srgb.h"
-#include "envmap/io/texels.h"
-#include "envmap/io/texture.h"
+#include "envmap/io/texels/api_orientation.h"
+#include "envmap/io/texels/rounding.h"
+#include "envmap/io/texels/texels.h"
+#include "envmap/io/texels/texture_file.h"
+#include "envmap/io/texels/value_range.h"
 #include "envmap/io/write_distances.h"
 #include "envmap/io/write_plan.h"
 #include "envmap/map/atlas.h"
-#include "envmap/map/border.h"
 #include "envmap/map/check_chain.h"
 #include "envmap/map/image_view.h"
+#include "envmap/map/octahedral_border.h"
 #include "envmap/maths/portable.h"
 #include "envmap/operate/border_samples.h"
 #include "envmap/operate/levels.h"
@@ -353,6 +355,46 @@ std::vector<std::byte> encode(std::span<const Rows> levels, const WriteOptions& 
   std::vector<std::byte> bytes;
   write_map("", levels, options, run, {.memory = &bytes});  // Errors name no file.
   return bytes;
+}
+
+void check_output(const std::string& path, const WriteOptions& options, Projection projection, bool levels) {
+  check_enumerator("projection", projection);
+  check_enumerator("source_depth", options.source_depth);
+  if (options.depth) check_enumerator("depth", *options.depth);
+  if (options.layout) check_enumerator("layout", *options.layout);
+  std::error_code error;
+  if (path != "-" && std::filesystem::is_directory(path, error))
+    throw OutputError(path, "is a folder: give a file name");
+  check_marks(path);
+  const std::string ext = extension(path, options);
+  const FileFormat* format = format_with_extension(ext);
+  if (!format) {
+    const std::string known = writable_extensions(projection, levels && !has_level(path));
+    if (ext.empty()) throw UsageError(path, "has no file type: end the name in " + known, Remedy::choose_format);
+    throw UsageError(path, fmt::format("cannot write .{} files: try {}", ext, known));
+  }
+  if (const FileFormat* named = format_with_extension(extension_of(path)); path != "-" && named && named != format)
+    throw UsageError(path, fmt::format("is named as a {} file, and the format asked for is {}: make the two agree",
+                                       named->title, format->title));
+  choose_depth(*format, options);
+  if (!is_integer(format->depths.front())) check_space(path, *format, format->depths.front(), options);
+  const Layout layout = choose_layout(path, *format, options, projection);
+  check_faces(path, options.faces);
+  const FaceFiles names = face_files(options.faces);
+  if (options.openexr_envmap &&
+      (!format->can(FileFormat::envmap_mark) || (layout != Layout::column && projection != Projection::latlong)))
+    throw UsageError(path, "OpenEXR's envmap attribute is for .exr files of latlong maps and of cubes in a column");
+  if (options.border > 0 && !is_octahedral(projection))
+    throw UsageError(fmt::format("a border is for octahedral and equal-area maps, not for a {} map", name(projection)));
+  if (!options.rows.empty() && (!format->can(FileFormat::row_range) || layout == Layout::files || has_level(path) ||
+                                options.openexr_envmap || options.border > 0))
+    throw UsageError(path, "a part of a map is one .exr file, without borders: merge writes other formats");
+  check_compression(path, *format, options.compression);
+  if (options.zstd && !format->can(FileFormat::zstd)) throw UsageError(path, "Zstandard is for .ktx2 files");
+  if (levels && !has_level(path) && (!format->levels || layout == Layout::files))
+    throw UsageError(path, fmt::format("{} one level: put {{level}} into the file name",
+                                       layout == Layout::files ? "files of one face hold" : "." + ext + " files hold"));
+  for (const std::string& file : files_named(path, 1, names)) require_folder_of(file);
 }
 
 void check_distances(const std::string& path, const WriteOptions& options, Projection projection) {

@@ -11,10 +11,10 @@
 
 #include "envmap/base/export.h"
 #include "envmap/base/run.h"
-#include "envmap/io/colour.h"
-#include "envmap/io/commit.h"
-#include "envmap/io/depth.h"
+#include "envmap/io/claims/colour.h"
 #include "envmap/io/face_files.h"
+#include "envmap/io/files/commit.h"
+#include "envmap/io/images/depth.h"
 #include "envmap/io/metadata.h"
 #include "envmap/map/layout.h"
 #include "envmap/map/rows.h"

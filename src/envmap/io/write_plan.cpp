@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "envmap/base/error.h"
-#include "envmap/io/openexr.h"
-#include "envmap/io/output_file.h"
-#include "envmap/io/path.h"
+#include "envmap/io/files/face_names.h"
+#include "envmap/io/files/output_file.h"
+#include "envmap/io/formats/openexr.h"
 
 namespace envmap {
 
@@ -84,8 +84,6 @@ Layout choose_layout(const std::string& path, const FileFormat& format, const Wr
   return options.layout.value_or(Layout::column);
 }
 
-namespace {
-
 void check_compression(const std::string& path, const FileFormat& format, const std::string& wanted) {
   if (wanted.empty()) return;
   if (!format.can(FileFormat::compression)) throw UsageError(path, "a compression is chosen for .exr files alone");
@@ -100,8 +98,6 @@ void check_compression(const std::string& path, const FileFormat& format, const 
                     "zip:1 to zip:9, dwaa:N and dwab:N",
                     wanted));
 }
-
-}  // namespace
 
 void check_space(const std::string& path, const FileFormat& format, Depth depth, const WriteOptions& options) {
   const ColourOptions& colour = options.colour;
@@ -121,46 +117,6 @@ void check_space(const std::string& path, const FileFormat& format, Depth depth,
     throw UsageError(
         path, fmt::format("{} has no number for the primaries of {}: choose ACEScg or another standard space, or .exr",
                           format.title, colour.space));
-}
-
-void check_output(const std::string& path, const WriteOptions& options, Projection projection, bool levels) {
-  check_enumerator("projection", projection);
-  check_enumerator("source_depth", options.source_depth);
-  if (options.depth) check_enumerator("depth", *options.depth);
-  if (options.layout) check_enumerator("layout", *options.layout);
-  std::error_code error;
-  if (path != "-" && std::filesystem::is_directory(path, error))
-    throw OutputError(path, "is a folder: give a file name");
-  check_marks(path);
-  const std::string ext = extension(path, options);
-  const FileFormat* format = format_with_extension(ext);
-  if (!format) {
-    const std::string known = writable_extensions(projection, levels && !has_level(path));
-    if (ext.empty()) throw UsageError(path, "has no file type: end the name in " + known, Remedy::choose_format);
-    throw UsageError(path, fmt::format("cannot write .{} files: try {}", ext, known));
-  }
-  if (const FileFormat* named = format_with_extension(extension_of(path)); path != "-" && named && named != format)
-    throw UsageError(path, fmt::format("is named as a {} file, and the format asked for is {}: make the two agree",
-                                       named->title, format->title));
-  choose_depth(*format, options);
-  if (!is_integer(format->depths.front())) check_space(path, *format, format->depths.front(), options);
-  const Layout layout = choose_layout(path, *format, options, projection);
-  check_faces(path, options.faces);
-  const FaceFiles names = face_files(options.faces);
-  if (options.openexr_envmap &&
-      (!format->can(FileFormat::envmap_mark) || (layout != Layout::column && projection != Projection::latlong)))
-    throw UsageError(path, "OpenEXR's envmap attribute is for .exr files of latlong maps and of cubes in a column");
-  if (options.border > 0 && !is_octahedral(projection))
-    throw UsageError(fmt::format("a border is for octahedral and equal-area maps, not for a {} map", name(projection)));
-  if (!options.rows.empty() && (!format->can(FileFormat::row_range) || layout == Layout::files || has_level(path) ||
-                                options.openexr_envmap || options.border > 0))
-    throw UsageError(path, "a part of a map is one .exr file, without borders: merge writes other formats");
-  check_compression(path, *format, options.compression);
-  if (options.zstd && !format->can(FileFormat::zstd)) throw UsageError(path, "Zstandard is for .ktx2 files");
-  if (levels && !has_level(path) && (!format->levels || layout == Layout::files))
-    throw UsageError(path, fmt::format("{} one level: put {{level}} into the file name",
-                                       layout == Layout::files ? "files of one face hold" : "." + ext + " files hold"));
-  for (const std::string& file : files_named(path, 1, names)) require_folder_of(file);
 }
 
 }  // namespace envmap

@@ -4,10 +4,10 @@
 
 #include <string>
 
-#include "envmap/io/file_format.h"
-#include "envmap/io/key_values.h"
-#include "envmap/io/khr_colour.h"
-#include "envmap/io/texels.h"
+#include "envmap/io/claims/khr_colour.h"
+#include "envmap/io/formats/file_format.h"
+#include "envmap/io/formats/key_values.h"
+#include "envmap/io/texels/texels.h"
 #include "envmap/io/write.h"
 
 namespace envmap {
@@ -37,5 +37,8 @@ void check_space(const std::string& path, const FileFormat& format, Depth depth,
 
 /// @throws UsageError where the format, the file name or the projection has no such layout.
 Layout choose_layout(const std::string& path, const FileFormat& format, const WriteOptions& options, Projection p);
+
+/// @throws UsageError where there is no such compression, or the format has none.
+void check_compression(const std::string& path, const FileFormat& format, const std::string& wanted);
 
 }  // namespace envmap

@@ -1,10 +1,10 @@
 #include "envmap/io/write_table.h"
 
 #include "envmap/base/error.h"
-#include "envmap/io/file_format.h"
+#include "envmap/io/files/output_file.h"
+#include "envmap/io/formats/file_format.h"
+#include "envmap/io/images/picture.h"
 #include "envmap/io/metadata.h"
-#include "envmap/io/output_file.h"
-#include "envmap/io/picture.h"
 
 namespace envmap {
 

@@ -5,7 +5,7 @@
 #include <span>
 #include <string>
 
-#include "envmap/io/commit.h"
+#include "envmap/io/files/commit.h"
 #include "envmap/maths/vector.h"
 
 namespace envmap {

@@ -9,6 +9,23 @@
 #include "envmap/maths/portable.h"
 #include "envmap/maths/vector.h"
 
+namespace envmap::legendre {
+
+inline double first() { return std::sqrt(0.25 / pi); }
+
+inline double diagonal(int m) { return std::sqrt((2 * m + 3) / (2.0 * m + 2)); }
+
+struct Step {
+  double a, b;
+};
+/// @param l above m.
+inline Step step(int l, int m) {
+  const double ll = 1.0 * l * l, mm = 1.0 * m * m, k = 1.0 * (l - 1) * (l - 1);
+  return {std::sqrt((4 * ll - 1) / (ll - mm)), l > m + 1 ? std::sqrt((k - mm) / (4 * k - 1)) : 0};
+}
+
+}  // namespace envmap::legendre
+
 namespace envmap {
 
 /// A rectangle; u runs right and v down, or s right and t up: whatever the caller integrates over.

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "envmap/base/parallel.h"
-#include "envmap/maths/sum.h"
+#include "envmap/maths/compensated_sum.h"
 #include "envmap/operate/measure.h"
 #include "envmap/sample/sampler.h"
 

@@ -6,7 +6,7 @@
 
 #include "envmap/operate/convert.h"
 #include "envmap/sample/padded_level.h"
-#include "envmap/sample/target.h"
+#include "envmap/sample/target_grid.h"
 
 namespace envmap {
 

@@ -17,6 +17,7 @@
 #include "envmap/operate/levels.h"
 #include "envmap/operate/measure.h"
 #include "envmap/operate/refuse_flaws.h"
+#include "envmap/projection/matching_size.h"
 #include "envmap/projection/visit.h"
 #include "envmap/sample/sampler.h"
 

@@ -8,8 +8,8 @@
 #include "envmap/base/error.h"
 #include "envmap/base/parallel.h"
 #include "envmap/maths/check_direction.h"
-#include "envmap/maths/legendre.h"
 #include "envmap/maths/portable.h"
+#include "envmap/maths/quadrature.h"
 #include "envmap/operate/check_options.h"
 #include "envmap/projection/visit.h"
 

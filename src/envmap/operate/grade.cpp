@@ -8,11 +8,12 @@
 #include "envmap/base/error.h"
 #include "envmap/base/parallel.h"
 #include "envmap/maths/check_direction.h"
+#include "envmap/maths/compensated_sum.h"
 #include "envmap/maths/portable.h"
-#include "envmap/maths/sum.h"
 #include "envmap/operate/check_options.h"
 #include "envmap/operate/convert.h"
 #include "envmap/operate/refuse_flaws.h"
+#include "envmap/projection/matching_size.h"
 
 namespace envmap {
 namespace {

@@ -31,8 +31,8 @@ Level half_level(const Level& fine, Weights weights = Weights::solid_angle);
 /// The same of any smaller size: texels count for each texel of the result by the part that lies in it.
 Level coarser_level(const Level& fine, int width, int height, Weights weights = Weights::solid_angle);
 
-/// Of an octahedral map that lies inside a border as wide in all levels (map/border.h): levels whose textures halve,
-/// and which are by themselves smaller by twice the border; as long as a texel is left.
+/// Adds the levels of an octahedral map that lies inside a border, as wide in all levels (map/octahedral_border.h): the
+/// textures halve, and the levels in them are smaller by twice the border; as long as a texel is left.
 void add_levels_with_border(std::vector<Level>& levels, int border, Weights weights = Weights::solid_angle,
                             int count = 0);
 

@@ -11,7 +11,7 @@
 
 #include "envmap/base/error.h"
 #include "envmap/base/parallel.h"
-#include "envmap/maths/sum.h"
+#include "envmap/maths/compensated_sum.h"
 #include "envmap/operate/brightest.h"
 #include "envmap/operate/refuse_flaws.h"
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "envmap/base/progress.h"
+#include "envmap/base/run.h"
 #include "envmap/map/environment_map.h"
 #include "envmap/projection/lens.h"
 

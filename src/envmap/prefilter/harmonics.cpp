@@ -11,13 +11,12 @@
 #include "envmap/base/error.h"
 #include "envmap/base/parallel.h"
 #include "envmap/maths/check_direction.h"
-#include "envmap/maths/legendre.h"
+#include "envmap/maths/compensated_sum.h"
 #include "envmap/maths/portable.h"
 #include "envmap/maths/quadrature.h"
-#include "envmap/maths/sum.h"
 #include "envmap/operate/refuse_flaws.h"
-#include "envmap/prefilter/cell.h"
-#include "envmap/prefilter/source.h"
+#include "envmap/prefilter/cell_moments.h"
+#include "envmap/prefilter/source_cube.h"
 #include "envmap/projection/visit.h"
 
 namespace envmap {

@@ -19,14 +19,14 @@
 #include "envmap/operate/convert.h"
 #include "envmap/operate/measure.h"
 #include "envmap/operate/refuse_flaws.h"
-#include "envmap/prefilter/choose.h"
+#include "envmap/prefilter/choose_method.h"
 #include "envmap/prefilter/error_floor.h"
-#include "envmap/prefilter/exact.h"
-#include "envmap/prefilter/hinge.h"
+#include "envmap/prefilter/exact/exact.h"
+#include "envmap/prefilter/prefix_sums/prefix_sums.h"
 #include "envmap/prefilter/prepared_source.h"
-#include "envmap/prefilter/sheen_sum.h"
-#include "envmap/prefilter/treecode.h"
-#include "envmap/prefilter/work.h"
+#include "envmap/prefilter/sheen/sheen.h"
+#include "envmap/prefilter/treecode/treecode.h"
+#include "envmap/prefilter/work_counters.h"
 
 namespace envmap {
 

@@ -117,8 +117,8 @@ class PrefilterSource {
   [[nodiscard]] const EnvironmentMap& source() const;
 
   /// Makes one map. Every texel has a bound of its error: proved, but for multilevel sums, whose bound has a factor of
-  /// the lobe that was measured. `automatic` takes the method of the least predicted cost (choose.h). Texels whose
-  /// bound is over the error wanted are summed exactly.
+  /// the lobe that was measured. `automatic` takes the method of the least predicted cost. Texels whose bound is over
+  /// the error wanted are summed exactly.
   /// @throws UsageError where a field is out of its range (bounds.h).
   Prefiltered make(const Prefilter& wanted, const Run& run = {}) const;
 

@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "envmap/operate/refuse_flaws.h"
-#include "envmap/prefilter/source.h"
+#include "envmap/prefilter/source_cube.h"
 
 namespace envmap::prefiltering {
 

@@ -7,9 +7,9 @@
 #include <optional>
 
 #include "envmap/operate/measure.h"
-#include "envmap/prefilter/multilevel.h"
-#include "envmap/prefilter/sheen_blocks.h"
-#include "envmap/prefilter/treecode_tree.h"
+#include "envmap/prefilter/multilevel/multilevel.h"
+#include "envmap/prefilter/sheen/sheen_blocks.h"
+#include "envmap/prefilter/treecode/tree.h"
 
 namespace envmap::prefiltering {
 

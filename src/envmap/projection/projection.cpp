@@ -67,12 +67,6 @@ std::optional<Projection> projection_named(std::string_view wanted) {
   return std::nullopt;
 }
 
-int matching_size(Projection from, int size, Projection to) {
-  check_range(limits::level_height, size);
-  const auto span = [](Projection p) { return visit(p, [](auto q) { return decltype(q)::span; }); };
-  return std::max(1, int(std::lround(size * span(to) / span(from))));
-}
-
 Columns columns(Projection p, int size, int row) {
   check_row(size, row);
   return visit(p, [&](auto q) -> Columns {

@@ -43,10 +43,6 @@ bool has_forward(Projection p);    ///< The image has a centre that can be chose
 /// @return the projection of that name, or nothing.
 std::optional<Projection> projection_named(std::string_view name);
 
-/// Height of a face of `to` with the degrees per texel of a `from` face `size` high, along the height of each
-/// (latlong 2N high, cube N, paraboloid and octahedral maps 2N, sphere and angular 4N); at least 1.
-int matching_size(Projection from, int size, Projection to);
-
 /// The columns of a row whose texels hold an image: all of them, or those that touch the disc.
 struct Columns {
   int first, end;

@@ -2,9 +2,9 @@
 /// The reference filter: the solid-angle mean of the bilinear reconstruction over each texel.
 #pragma once
 
-#include "envmap/sample/sampler.h"
 #include "envmap/sample/padded_level.h"
-#include "envmap/sample/target.h"
+#include "envmap/sample/sampler.h"
+#include "envmap/sample/target_grid.h"
 
 namespace envmap {
 

@@ -3,8 +3,8 @@
 
 #include "envmap/sample/area.h"
 #include "envmap/sample/inverse_bilinear.h"
+#include "envmap/sample/multi_sample.h"
 #include "envmap/sample/point.h"
-#include "envmap/sample/probes.h"
 #include "envmap/sample/pyramid.h"
 #include "envmap/sample/quad.h"
 #include "envmap/sample/sampler.h"

@@ -2,7 +2,7 @@
 /// What a texel of the result covers in the source, from the derivatives of the two direction maps alone.
 #pragma once
 
-#include "envmap/sample/target.h"
+#include "envmap/sample/target_grid.h"
 
 namespace envmap {
 

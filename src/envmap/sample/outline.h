@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "envmap/sample/padded_level.h"
-#include "envmap/sample/target.h"
+#include "envmap/sample/target_grid.h"
 
 namespace envmap {
 

@@ -2,8 +2,8 @@
 /// Filters that read mip levels: trilinear, and footprints put together from trilinear probes.
 #pragma once
 
+#include "envmap/sample/multi_sample.h"
 #include "envmap/sample/padded_level.h"
-#include "envmap/sample/probes.h"
 
 namespace envmap {
 

@@ -6,9 +6,10 @@
 
 #include "envmap/base/parallel.h"
 #include "envmap/maths/portable.h"
+#include "envmap/projection/matching_size.h"
 #include "envmap/sample/footprint.h"
+#include "envmap/sample/multi_sample.h"
 #include "envmap/sample/point.h"
-#include "envmap/sample/probes.h"
 
 namespace envmap {
 namespace {

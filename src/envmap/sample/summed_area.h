@@ -7,7 +7,7 @@
 
 #include "envmap/sample/padded_level.h"
 #include "envmap/sample/sampler.h"
-#include "envmap/sample/target.h"
+#include "envmap/sample/target_grid.h"
 
 namespace envmap {
 

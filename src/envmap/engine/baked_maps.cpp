@@ -1,0 +1,133 @@
+#include "envmap/engine/baked_maps.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+
+#include "envmap/base/error.h"
+#include "envmap/base/part_progress.h"
+#include "envmap/engine/irradiance.h"
+#include "envmap/engine/level_roughness.h"
+#include "envmap/operate/convert.h"
+#include "envmap/projection/matching_size.h"
+
+namespace envmap {
+namespace {
+
+// A cube with X or Z negated: the two faces of that axis change places, and images are mirrored along the other axes'
+// faces: left to right but for the faces of Y under Z, which has their up there.
+Rows mirrored(const Rows& rows, MirroredAxis mirror) {
+  if (mirror == MirroredAxis::x) return with_x_negated(rows);
+  Rows turned = rows;
+  turned.fill = [rows](int face, int row, std::span<Colour> out) {
+    const bool upside_down = face == 2 || face == 3;
+    rows.fill(face >= 4 ? 9 - face : face, upside_down ? rows.size - 1 - row : row, out);
+    if (!upside_down) std::ranges::reverse(out);
+  };
+  return turned;
+}
+
+int scaled(int size, int doublings) { return std::max(1, doublings < 0 ? size >> -doublings : size << doublings); }
+
+std::string of_lobes(const FileError& error, double max_error) {
+  return error.asked ? fmt::format("every texel read from it within {:g}", *error.asked)
+                     : fmt::format("every texel within {:g} before its depth rounds it", max_error);
+}
+
+}  // namespace
+
+std::vector<Rows> mirrored(std::vector<Rows> levels, MirroredAxis mirror) {
+  if (mirror != MirroredAxis::none)
+    for (Rows& rows : levels) rows = mirrored(rows, mirror);
+  return levels;
+}
+
+std::optional<Rounding> mirrored(const std::optional<Rounding>& rounding, MirroredAxis mirror) {
+  if (mirror == MirroredAxis::none || !rounding || !rounding->read_back) return rounding;
+  const auto turn = [mirror](const Level& level) {
+    return level_of(mirrored(rows_of(level, Forward::plus_z), mirror));
+  };
+  Rounding turned = *rounding;
+  turned.read_back = [turn, read_back = rounding->read_back](const Level& level) {
+    return turn(read_back(turn(level)));
+  };
+  return turned;
+}
+
+std::map<std::string, std::string> irradiance_pairs(const EngineMap& map, const EnvironmentMap& source,
+                                                    const Progress& progress) {
+  if (!map.chain || map.chain->irradiance == IrradianceForm::none) return {};
+  return {harmonics_pair(map.chain->irradiance, irradiance_polynomial(source, progress))};
+}
+
+Baker::Baker(const EnvironmentMap& source, const BakeOptions& options) : source_(source), options_(options) {}
+
+BakedMap Baker::environment(const EngineMap& wanted, const FileError& error) const {
+  const Projection to = wanted.frame.projection;
+  const int dense = matching_size(source_.projection(), source_.base().height(), to);
+  const int size = options_.size.value_or(scaled(dense, options_.quality.environment));
+  BakedMap made;
+  if (!error.asked) {
+    made.rows.push_back(Resampler(source_, {.to = wanted.frame, .size = size}).rows());
+    made.accuracy = "resampled as 'envmap convert' does by itself";
+    return made;
+  }
+  BakedLevel level = resample_level(source_, wanted.frame, size, error, true);
+  made.levels = std::move(level.done.map);
+  made.rows = all_rows_of(made.levels);
+  made.accuracy = fmt::format("read from it within {:g}, by {} and its depth, in the texels where that was measured",
+                              *error.asked, method_name(level.done));
+  return made;
+}
+
+BakedMap Baker::chain(const EngineMap& wanted, const FileError& error, const Progress& progress) {
+  const int base = options_.chain_size.value_or(scaled(wanted.chain->size, options_.quality.chain));
+  const std::vector<double> roughnesses = level_roughnesses(wanted, base, {}, "chain_size");
+  BakedMap made{.facts = {{"lobe", "ggx"}}};
+  for (std::size_t k = 0; k < roughnesses.size(); ++k) {
+    made.facts["roughness"] += fmt::format("{}{:g}", k == 0 ? "" : ",", roughnesses[k]);
+    const int size = base >> k;
+    const double share = 1 / double(roughnesses.size());
+    const Prefilter wanted_level{.shape = Shape::ggx,
+                                 .parameter = roughnesses[k],
+                                 .to = wanted.frame.projection,
+                                 .size = size};
+    BakedLevel level = is_mirror(wanted_level)
+                           ? resample_level(source_, wanted.frame, size, error, false)
+                           : lobe(wanted_level, error, part_progress(progress, share * double(k), share));
+    made.levels.levels.push_back(std::move(level.done.map.base()));
+  }
+  made.rows = all_rows_of(made.levels);
+  made.pairs = irradiance_pairs(wanted, source_, {});
+  made.accuracy = of_lobes(error, options_.quality.max_error);
+  return made;
+}
+
+BakedMap Baker::diffuse(const EngineMap& wanted, const FileError& error, const Progress& progress) {
+  BakedMap made{.facts = {{"lobe", "diffuse"}}};
+  const int size = scaled(wanted.diffuse, options_.quality.chain);
+  const Prefilter diffuse{.to = wanted.frame.projection, .size = size, .forward = wanted.frame.forward};
+  made.levels = std::move(lobe(diffuse, error, progress).done.map);
+  made.rows = all_rows_of(made.levels);
+  made.accuracy = of_lobes(error, options_.quality.max_error);
+  return made;
+}
+
+BakedLevel Baker::lobe(const Prefilter& wanted, const FileError& error, const Progress& progress) {
+  if (!prepared_) prepared_ = std::make_unique<PrefilterSource>(source_);
+  Prefilter within = wanted;
+  within.max_error = error.asked ? left_to_prefilter(error) : options_.quality.max_error;
+  return make_level(*prepared_, within, error, false, progress);
+}
+
+BakedMap Baker::make(const EngineMap& wanted, const std::optional<Rounding>& rounding, const Progress& progress) {
+  const FileError error{options_.max_error, mirrored(rounding, wanted.mirror)};
+  BakedMap made = wanted.chain         ? chain(wanted, error, progress)
+                  : wanted.diffuse > 0 ? diffuse(wanted, error, progress)
+                                       : environment(wanted, error);
+  made.rows = mirrored(std::move(made.rows), wanted.mirror);
+  return made;
+}
+
+}  // namespace envmap

@@ -1,0 +1,241 @@
+// The middles of narrow lobes, summed over the texels of the source: narrower than any grid of multilevel sums.
+// Compiled once for every instruction set and chosen at run time.
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "envmap/base/without_avx512.h"
+#include "envmap/prefilter/multilevel/multilevel_kernels.h"
+#include "envmap/projection/cube.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "envmap/prefilter/near_field/near_field.cpp"
+#include <hwy/cache_control.h>
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include "envmap/prefilter/near_field/narrow_power-inl.h"
+#include "envmap/prefilter/near_field/texel_rows-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace envmap::prefiltering {
+namespace HWY_NAMESPACE {
+
+// A row of a latlong map, as an output sees it.
+struct SeenRow {
+  OnLatlong place;
+  RowOfTexels texels;
+
+  // The longitude of its farther end.
+  [[nodiscard]] double farthest() const {
+    const Piece& p = texels.texel;
+    return std::max(-p.x0, p.x0 + texels.count * (p.x1 - p.x0));
+  }
+  // Longitudes are small angles, and the sine of the polar angle changes little over the height of the row.
+  [[nodiscard]] bool is_far_from_poles() const {
+    const Piece& p = texels.texel;
+    return farthest() < 0.4 && place.least_sine > 64 * (p.y1 - p.y0);
+  }
+};
+
+// Rows lie far apart in memory.
+HWY_INLINE void prefetch(const RowOfTexels& texels) {
+  constexpr int in_cache_line = 5;
+  const int columns = int(texels.row.size());
+  for (int k = texels.first; k < texels.first + texels.count; k += in_cache_line)
+    hwy::Prefetch(&texels.row[std::size_t(column_of(k, columns))]);
+}
+
+// What is within x = end of a direction. @param at its column.
+std::vector<SeenRow> rows_within(const Level& source, double end, const GridView& view, double at) {
+  const double reach = 2 * portable::asin(std::sqrt(0.5 * end)), step = pi / source.height();
+  const int columns = source.width(), low = std::max(0, int((view.angle - reach) / step)),
+            high = std::min(source.height() - 1, int((view.angle + reach) / step));
+  const double wide = 2 * pi / columns;
+  const OnLatlong place(view);
+  std::vector<SeenRow> all;
+  all.reserve(std::size_t(std::max(0, high - low + 1)));
+  OnLatlong::Side above = place.side(low * step - view.angle);
+  for (int row = low; row <= high; ++row) {
+    const double y = row * step - view.angle;
+    const OnLatlong::Side top = above, below = place.side((row + 1) * step - view.angle);
+    const double sine = std::min(top.sine, below.sine);
+    const double c = top.off.sine > 0 ? top.off.versine : below.off.sine < 0 ? below.off.versine : 0;
+    above = below;
+    const double versine = (end - c) / std::max(1e-30, sine * view.sine);
+    if (versine <= 0) continue;
+    const double half = versine >= 2 ? columns : half_width(versine, columns);
+    int first = int(std::floor(at - half)), last = int(std::floor(at + half));
+    if (last - first + 1 > columns) first = int(std::floor(at)) - columns / 2, last = first + columns - 1;
+    const double x = (first - at) * wide;
+    all.push_back({place.of_row(top, sine), {source.row(0, row), first, last - first + 1, {x, x + wide, y, y + step}}});
+    prefetch(all.back().texels);
+  }
+  return all;
+}
+
+// Columns that rows have, from low to before high, as longitudes from an output.
+struct SeenColumns {
+  double at;  // The output's column.
+  int columns, low, high;
+
+  // Their v = 1 - cos, at a part of a column from its left.
+  void set(double part, float* v) const { versines(at - part, columns, low, high, v); }
+};
+
+using SeenRows = std::span<const SeenRow>;
+
+Flux over_rows(const LevelKernel& k, SeenRows rows, const SeenColumns& columns, const Light& of) {
+  const Piece& first = rows[0].texels.texel;
+  const Rules rules = rules_for(k, first.y1 - first.y0, columns.low, columns.high - columns.low);
+  for (const RuleAcross& r : rules.all)
+    for (std::size_t e = 0; e < r.rule.count; ++e) columns.set(r.rule.at[e], r.x + e * r.stride);
+  Flux sum(0);
+  for (const SeenRow& r : rows) sum += OverRow(r.place, k, rules, r.texels, of);
+  return sum;
+}
+
+// The middles of panels of columns.
+struct Middles {
+  std::size_t panels, stride;  // Panels of a column. The middles of one panel follow those of the one before.
+  std::vector<float> v;
+
+  Middles(const SeenColumns& columns, std::size_t of_panels)
+      : panels(of_panels), stride(std::size_t(columns.high - columns.low) + virtual_lanes), v(panels * stride) {
+    for (std::size_t n = 0; n < panels; ++n) columns.set((double(n) + 0.5) / double(panels), &v[n * stride]);
+  }
+};
+
+Flux over_power_row(const PowerPolynomial& power, const RowOfTexels& texels, int low, const Middles& middles,
+                    const Light& of) {
+  const D d;
+  Sums total;
+  count(Work::core_points, std::size_t(texels.count) * middles.panels);
+  for (int k = 0; k < texels.count; k += int(virtual_lanes)) {
+    const EightTexels eight(texels, k, of);
+    for (std::size_t part = 0; part < parts; ++part) {
+      const float* v = &middles.v[std::size_t(texels.first - low + k) + part * lanes];
+      V mean = power.mean_of(hn::LoadU(d, v));
+      for (std::size_t n = 1; n < middles.panels; ++n)
+        mean = hn::Add(mean, power.mean_of(hn::LoadU(d, v + n * middles.stride)));
+      total.add(part, mean, eight.light[0] + part * lanes, virtual_lanes);
+    }
+  }
+  return total.whole();
+}
+
+template <bool cosine>
+Flux over_power_rows(const LevelKernel& k, SeenRows rows, const SeenColumns& columns, const Light& of) {
+  const Piece& first = rows[0].texels.texel;
+  const double high = first.y1 - first.y0;
+  const Middles middles(columns, panels_for(k, high));
+  const Rule& down = four_points[middles.panels / 2];
+  std::vector<PowerRow> powers;
+  powers.reserve(rows.size());
+  double least = 1, most = 0, farthest = 0;
+  for (const SeenRow& r : rows) {
+    OnLatlong::Row points;
+    r.place.set(r.texels.texel, down, points);
+    const PowerRow& power = powers.emplace_back(PowerRow::of<cosine>(k, points, down.count));
+    least = std::min(least, power.gamma), most = std::max(most, power.gamma);
+    farthest = std::max(farthest, power.gamma * SmallAngle(r.farthest()).versine);
+  }
+  const double panel = (first.x1 - first.x0) / double(middles.panels);
+  const PowerPolynomials<cosine> across(k, 0.5 * panel, least, most, farthest);
+  Flux sum(0);
+  for (std::size_t r = 0; r < rows.size(); ++r)
+    sum += powers[r].height * over_power_row(across.at(powers[r]), rows[r].texels, columns.low, middles, of);
+  return panel * high * sum;
+}
+
+// Whether a power falls little enough over a quarter of a texel for polynomials of its logarithm.
+bool is_power(const LevelKernel& k, double side) {
+  return k.kind == LevelKernel::Kind::power && fall_over(k, 0.25 * side) <= double(k.uneven);
+}
+
+Flux OfLatlong(const Light& light, const LevelKernel& k, const GridView& view) {
+  const int columns = light.source.width();
+  const double at = view.longitude * columns / (2 * pi);
+  std::vector<SeenRow> rows = rows_within(light.source, double(k.end), view, at);
+  if (rows.empty()) return Flux(0);
+  SeenColumns seen{at, columns, columns, -columns};
+  for (const SeenRow& r : rows) {
+    seen.low = std::min(seen.low, r.texels.first);
+    seen.high = std::max(seen.high, r.texels.first + r.texels.count + int(virtual_lanes));
+  }
+  auto others = rows.begin();
+  if (is_power(k, pi / light.source.height()))
+    others = std::ranges::stable_partition(rows, &SeenRow::is_far_from_poles).begin();
+  const auto powers = SeenRows(rows.begin(), others), rest = SeenRows(others, rows.end());
+  Flux sum(0);
+  if (!powers.empty())
+    sum += k.cosine ? over_power_rows<true>(k, powers, seen, light) : over_power_rows<false>(k, powers, seen, light);
+  if (!rest.empty()) sum += over_rows(k, rest, seen, light);
+  return sum;
+}
+
+// Which of a face's rows or columns reach to within `reach` of a direction, whose part in front is `ahead`, whose part
+// to the side `aside`.
+struct Cells {
+  int first, last;
+};
+Cells cells_of(double ahead, double aside, double reach, int size) {
+  const double angle = portable::atan2(aside, ahead);
+  const double wide =
+      portable::asin(std::min(1.0, portable::sin_pi(reach / pi) / portable::hypot(ahead, aside))) + 1e-9;
+  const auto cell = [&](double a) {
+    const double turn = std::clamp(a / pi, -0.25, 0.25);
+    return int(std::floor(0.5 * size * (1 + portable::sin_pi(turn) / portable::cos_pi(turn))));
+  };
+  return {std::max(0, cell(angle - wide)), std::min(size - 1, cell(angle + wide))};
+}
+
+Flux OfCube(const Light& light, const LevelKernel& k, const Direction& n) {
+  const Level& source = light.source;
+  const double reach = 2 * portable::asin(std::sqrt(0.5 * double(k.end)));
+  const int size = source.height();
+  const double wide = 2.0 / size;
+  Flux sum(0);
+  for (int face = 0; face < 6; ++face) {
+    const Cube::Axes& a = Cube::axes[std::size_t(face)];
+    const double ahead = glm::dot(n, a.forward), right = glm::dot(n, a.right), up = glm::dot(n, a.up);
+    if (ahead < 0.3) continue;  // Beyond a corner by more than 0.2 radians.
+    const Cells across = cells_of(ahead, right, reach, size), down = cells_of(ahead, -up, reach, size);
+    const double s = right / ahead, t = -up / ahead;
+    const int count = across.last - across.first + 1;
+    if (count <= 0) continue;
+    const OnCube place{float(s), float(t), float(std::sqrt(1 + s * s + t * t))};
+    const double left = across.first * wide - 1 - s;
+    const Rules rules = rules_for(k, wide, across.first, count);
+    for (const RuleAcross& r : rules.all)
+      for (std::size_t e = 0; e < r.rule.count; ++e)
+        for (int i = 0; i < count + int(virtual_lanes); ++i)
+          r.x[e * r.stride + std::size_t(i)] = float(left + (i + r.rule.at[e]) * wide);
+    for (int row = down.first; row <= down.last; ++row) {
+      const double y = row * wide - 1 - t;
+      sum += OverRow(place, k, rules, {source.row(face, row), across.first, count, {left, left + wide, y, y + wide}},
+                     light);
+    }
+  }
+  return sum;
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace envmap::prefiltering
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace envmap::prefiltering {
+HWY_EXPORT(OfLatlong);
+HWY_EXPORT(OfCube);
+
+Flux core_sum(const Level& source, const Colour& darkest, double unit, const LevelKernel& kernel,
+              const Direction& direction) {
+  const Light light(source, darkest, unit);
+  if (source.projection() == Projection::cube)
+    return kernel.scale * HWY_DYNAMIC_DISPATCH(OfCube)(light, kernel, direction);
+  return kernel.scale * HWY_DYNAMIC_DISPATCH(OfLatlong)(light, kernel, GridView(direction));
+}
+
+}  // namespace envmap::prefiltering
+#endif  // HWY_ONCE

@@ -1,0 +1,339 @@
+#include "envmap/prefilter/prefix_sums/prefix_sums.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <variant>
+
+#include "envmap/prefilter/cell_moments.h"
+#include "envmap/prefilter/error_floor.h"
+#include "envmap/prefilter/prefix_sums/prefix_kernels.h"
+#include "envmap/prefilter/work_counters.h"
+
+namespace envmap::prefiltering {
+
+namespace {
+
+Flux flux_of(const float (&lanes)[4]) { return {lanes[0], lanes[1], lanes[2]}; }
+
+// Terms added up.
+struct Total {
+  Flux sum{0}, off{0};
+
+  void add(const HingeTerm& t) { sum += flux_of(t.middle), off += flux_of(t.off); }
+};
+
+bool within(const Flux& off, const Flux& most) { return !glm::any(glm::greaterThan(off, most)); }
+
+// Part of a flux that Gauss points, sums in double and the borders of cells may be off by.
+constexpr double numerical = 1e-11;
+
+// Means over a rectangle of a plane, by differences over its corners.
+struct Plane {
+  double size, square, signed_square;  // Of |p|, p^2 and p |p|.
+  Plane(double middle, double across, double down) {
+    const double least = 1e-4 * std::max(across, down) + 1e-300;
+    const double a = std::max(across, least), b = std::max(down, least);
+    const double corners[] = {middle + a + b, middle + a - b, middle - a + b, middle - a - b};
+    double cubes = 0, fourths = 0;
+    for (int k = 0; k < 4; ++k) {
+      const double q = corners[k], cube = std::abs(q) * q * q, sign = k == 0 || k == 3 ? 1 : -1;
+      cubes += sign * cube, fourths += sign * cube * q;
+    }
+    size = cubes / (24 * a * b), signed_square = fourths / (48 * a * b);
+    square = middle * middle + (a * a + b * b) / 3;
+  }
+};
+
+// What a part of a texel of radiance 1 adds, and how far that may be off.
+struct PartTerm {
+  double sum, off;
+};
+PartTerm whole_part(const PartView& v, const HingePolynomial& weight) {
+  return {weight.factors[0] * v.first + weight.factors[1] * v.second + weight.factors[2] * v.third, 0};
+}
+PartTerm cut_part(const PartView& v, double extent, const HingePolynomial& weight) {
+  const double top = v.middle + extent;
+  if (v.polar) {  // Between Jensen's inequality and the chord.
+    const double bottom = v.middle - extent, jensen = std::max(0.0, v.first);
+    const double chord = std::max(jensen, (v.first - v.solid_angle * bottom) * top / (top - bottom));
+    const double least = weight.factors[0] * jensen, most = weight.slope(top) * chord;
+    return {0.5 * (least + most), 0.5 * (most - least)};
+  }
+  const Plane plane(v.middle, v.across, v.down);
+  const double bend = v.bend + 1e-8 * std::max(v.across, v.down);
+  const double first = 0.5 * (v.first + v.weight1 * plane.size),
+               off1 = 0.5 * v.weight1 * (v.uneven1 * plane.size + (1 + v.uneven1) * bend);
+  const double second = 0.5 * (v.second + v.weight2 * plane.signed_square),
+               off2 = 0.5 * v.weight2 *
+                      (v.uneven2 * plane.square + (1 + v.uneven2) * bend * 2 * (std::abs(v.middle) + extent));
+  const double third = 0.5 * weight.factors[2] * top * (second + off2);  // From 0 to twice that.
+  return {weight.factors[0] * first + weight.factors[1] * second + third,
+          weight.factors[0] * off1 + weight.factors[1] * off2 + third};
+}
+
+// The weight of a direction as factors of the moments x, y, z, xx, yy, zz, xy, xz, yz, xxx, xxy, xxz, xyy, xyz, yyy,
+// yyz. xzz = x - xxx - xyy and so on give the rest.
+std::array<double, hinge_moments.back() - 1> moment_factors(const HingePolynomial& weight, const FaceDirection& n) {
+  const auto [a, b, c] = weight.factors;
+  const double x = n.x, y = n.y, z = n.z, zz = 3 * c * z * z;
+  return {x * (a + zz),
+          y * (a + zz),
+          z * (a + c * z * z),
+          b * x * x,
+          b * y * y,
+          b * z * z,
+          2 * b * x * y,
+          2 * b * x * z,
+          2 * b * y * z,
+          x * (c * x * x - zz),
+          y * (3 * c * x * x - zz),
+          z * c * (3 * x * x - z * z),
+          x * (3 * c * y * y - zz),
+          6 * c * x * y * z,
+          y * (c * y * y - zz),
+          z * c * (3 * y * y - z * z)};
+}
+
+// One direction's sum in the making.
+template <class Grid>
+class Summation {
+ public:
+  Summation(const HingeSource<Grid>& source, const HingePolynomial& weight, double error)
+      : source_(source), weight_(weight), error_(error) {}
+
+  // @param beside in units of the mean.
+  HingeSum over(const Direction& n, const Flux& beside) {
+    beside_ = beside;
+    start_ = start();
+    for (int face = 0; face < Grid::faces; ++face) seen_[std::size_t(face)] = Grid::seen(face, n);
+    settled_ = {}, terms_.clear();
+    settled_.sum = weight_.integral() * Flux(source_.darkest());
+    settled_.off = Flux(numerical * most_flux * weight_.slope(1));
+    for (int face = 0; face < Grid::faces; ++face) add_face(face);
+    refine();
+    return {settled_.sum, settled_.off};
+  }
+
+ private:
+  // The coarsest cells whose gaps in an even map are small enough: along the horizon they have 2 pi x their side of
+  // solid angle, and are off by a sixteenth of their side on average.
+  [[nodiscard]] std::size_t start() const {
+    const double most = error_ * std::max(std::min({beside_.x, beside_.y, beside_.z}), floor_of_mean);
+    for (std::size_t level = source_.levels().size(); --level > source_.base();) {
+      const double side = source_.side(level);
+      if (0.4 * side * side * weight_.slope(1) <= most) return level;
+    }
+    return source_.base();
+  }
+
+  // Rows of cells: what is wholly above by prefix sums, and terms of what is cut.
+  void add_face(int face) {
+    const auto& cells = source_.levels()[start_];
+    const auto& grid = cells.grid;
+    const FaceDirection& n = seen_[std::size_t(face)];
+    if (!grid.slopes.empty())
+      border_angles(n.z / std::max(1e-9, std::sqrt(n.x * n.x + n.y * n.y)), grid.slopes, angles_);
+    batch_.clear();
+    spans_.clear();
+    for (int row = 0; row < grid.down.count(); ++row) {
+      const RowSpan span = grid.span(n, angles_.data(), row);
+      spans_.push_back(span);
+      if (span.last > span.first) source_.prefetch(start_, face, row, span.first, span.last);
+      const auto add = [&](int from, int to) {
+        for (int k = from; k < to; ++k) add_cell(cells, n, face, row, grid.wrapped(k));
+      };
+      add(span.cut, std::min(span.first, span.end)), add(span.last, span.end);
+    }
+    typename HingeSource<Grid>::Sums sums{};
+    for (int row = 0; row < grid.down.count(); ++row)
+      if (const RowSpan& span = spans_[std::size_t(row)]; span.last > span.first)
+        source_.add(start_, face, row, span.first, span.last, sums);
+    count(Work::hinge_rows, spans_.size());
+    count(Work::hinge_cells, batch_.count());
+    bound_cells(n, weight_, batch_, terms_);
+    const auto factors = moment_factors(weight_, n);
+    const std::size_t moments = hinge_moments[std::size_t(source_.order())] - 1;
+    for (std::size_t m = 0; m < moments; ++m)
+      for (std::size_t c = 0; c < 3; ++c) settled_.sum[c] += factors[m] * sums[3 * m + c];
+  }
+
+  void add_cell(const typename HingeSource<Grid>::Cells& cells, const FaceDirection& n, int face, int row, int column) {
+    const HingeCell& cell = cells.cell(face, row, column);
+    __builtin_prefetch(&cell);
+    batch_.add(cells.grid.view(n, row, column), cells.grid.shape(row, column), cells.grid.solid_angle(row, column),
+               {&cell, face, row, column});
+  }
+
+  // What each channel may be off by.
+  [[nodiscard]] Flux allowed(const Total& now) const {
+    return error_ * glm::max(now.sum - now.off + beside_, floor_of_mean);
+  }
+
+  // Divides the terms that are off by most, level by level, until all together are good enough.
+  void refine() {
+    double share = 0.5;
+    for (std::size_t level = start_ + 1; level-- > 0; share *= 0.5) {
+      Total now = settled_;
+      for (const HingeTerm& t : terms_) now.add(t);
+      const Flux most = allowed(now);
+      if (within(now.off, most)) break;
+      divide(level, now, most, share / double(std::max<std::size_t>(1, terms_.size())));
+    }
+    for (const HingeTerm& t : terms_) settled_.add(t);
+    terms_.clear();
+  }
+
+  // @param now the sum of all, to stop as soon as that is good enough. @param share of what is allowed, of one term.
+  void divide(std::size_t level, Total now, const Flux& most, double share) {
+    next_.clear();
+    bool enough = false;
+    for (const HingeTerm& t : terms_) {
+      enough = enough || within(now.off, 0.99 * most);
+      if (enough || within(flux_of(t.off), share * most)) {
+        settled_.add(t);
+        continue;
+      }
+      const std::size_t first = next_.size();
+      if (level > 0)
+        add_quarters(level - 1, t);
+      else
+        add_texels(t, most, 0.02 * share);
+      now.off -= flux_of(t.off);
+      for (std::size_t k = first; k < next_.size(); ++k) now.add(next_[k]);
+    }
+    std::swap(terms_, next_);
+  }
+
+  void add_quarters(std::size_t level, const HingeTerm& t) {
+    const auto& cells = source_.levels()[level];
+    const auto& grid = cells.grid;
+    const FaceDirection& n = seen_[std::size_t(t.face)];
+    batch_.clear();
+    for (int row = 2 * t.row; row < std::min(2 * t.row + 2, grid.down.count()); ++row)
+      for (int column = 2 * t.column; column < std::min(2 * t.column + 2, grid.across.count()); ++column)
+        add_cell(cells, n, t.face, row, column);
+    count(Work::hinge_cells, batch_.count());
+    bound_cells(n, weight_, batch_, next_);
+  }
+
+  void add_texels(const HingeTerm& t, const Flux& most, double share) {
+    const auto& grid = source_.levels().front().grid;
+    const FaceDirection& n = seen_[std::size_t(t.face)];
+    for (int row = grid.down.first(t.row); row < grid.down.end(t.row); ++row)
+      for (int column = grid.across.first(t.column); column < grid.across.end(t.column); ++column) {
+        const Flux radiance = source_.radiance(t.face, row, column);
+        if (radiance != Flux(0)) add_part(source_.grid().texel(n, row, column), n, radiance, most, share, 0);
+      }
+  }
+
+  template <class Part>
+  void add_part(const Part& part, const FaceDirection& n, const Flux& radiance, const Flux& most, double share,
+                int depth) {
+    const PartView v = part.view(n);
+    const double extent = v.across + v.down + v.bend;
+    if (v.middle <= -extent) return;
+    const bool cut = v.middle < extent;
+    count(Work::hinge_parts, 1);
+    const PartTerm term = cut ? cut_part(v, extent, weight_) : whole_part(v, weight_);
+    constexpr int deepest = 12;
+    if (depth < deepest && !within(term.off * radiance, share * most)) {
+      const Division<Part> smaller = part.divided();
+      for (std::size_t k = 0; k < smaller.count; ++k) add_part(smaller.parts[k], n, radiance, most, share, depth + 1);
+      return;
+    }
+    const double rounding_of_part = numerical * v.solid_angle * weight_.slope(1);
+    settled_.sum += term.sum * radiance, settled_.off += (term.off + rounding_of_part) * radiance;
+  }
+
+  const HingeSource<Grid>& source_;
+  HingePolynomial weight_;
+  double error_;
+  Flux beside_{0};
+  std::size_t start_ = 0;  // Level of the cells that sums start from.
+  std::array<FaceDirection, Grid::faces> seen_;
+  Total settled_;
+  HingeBatch batch_;
+  std::vector<HingeTerm> terms_, next_;
+  std::vector<double> angles_;
+  std::vector<RowSpan> spans_;
+};
+
+template <class Grid>
+void sum_all(const HingeSource<Grid>& source, const HingePolynomial& weight, std::span<const Direction> directions,
+             double error, double mean, std::span<const Flux> beside, std::span<HingeSum> out) {
+  Summation<Grid> summation(source, weight, error);
+  for (std::size_t k = 0; k < directions.size(); ++k) {
+    const HingeSum sum = summation.over(directions[k], beside.empty() ? Flux(0) : beside[k] / mean);
+    out[k] = {mean * sum.value, mean * sum.bound};
+    source.trim();
+  }
+}
+
+// Rows of cells from pole to pole that sums start from, at least and at most.
+constexpr int fewest_rows = 8;
+int base_rows(double error) { return error < 3e-4 ? 128 : 64; }
+
+constexpr double rounding = 0x1p-24;  // Of a float.
+
+// Of one texel. @return its bound.
+float set_texel(const HingeSum& sum, double floor, Colour& out) {
+  if (const Flux s = sum.value + sum.bound; !std::isfinite(s.x + s.y + s.z))
+    return std::numeric_limits<float>::infinity();  // The texel is summed exactly.
+  double largest = 0;
+  for (int c = 0; c < 3; ++c) {
+    largest = std::max(largest, sum.bound[c] / std::max(sum.value[c] - sum.bound[c], floor));
+    out[c] = float(std::max(0.0, sum.value[c]));
+  }
+  return std::nextafter(float(largest + 2 * rounding), 1.F);  // Of the texels less the darkest, and of the result.
+}
+
+}  // namespace
+
+struct Hinges::Prepared {
+  std::variant<HingeSource<LatlongGrid>, HingeSource<CubeGrid>> source;
+  double mean;
+  int order, rows;
+};
+
+Hinges::Hinges(const Level& source, double mean, const Colour& darkest, int order, double error) {
+  const int rows = base_rows(error);
+  if (source.projection() == Projection::latlong)
+    prepared_ = std::make_unique<Prepared>(
+        Prepared{HingeSource<LatlongGrid>(source, mean, darkest, rows, fewest_rows, order), mean, order, rows});
+  else
+    prepared_ = std::make_unique<Prepared>(
+        Prepared{HingeSource<CubeGrid>(source, mean, darkest, rows / 2, fewest_rows / 2, order), mean, order, rows});
+}
+Hinges::~Hinges() = default;
+
+bool Hinges::fits(int order, double error) const {
+  return prepared_->order >= order && prepared_->rows == base_rows(error);
+}
+
+void Hinges::sums(const HingePolynomial& weight, std::span<const Direction> directions, double error,
+                  std::span<const Flux> beside, std::span<HingeSum> out) const {
+  std::visit([&](const auto& source) { sum_all(source, weight, directions, error, prepared_->mean, beside, out); },
+             prepared_->source);
+}
+
+std::optional<HingePolynomial> hinge_polynomial(const Lobe& lobe) {
+  if (const auto* cosine = std::get_if<Cosine>(&lobe)) return HingePolynomial{{cosine->value(0), 0, 0}};
+  if (const auto* ggx = std::get_if<Ggx>(&lobe); ggx && ggx->b == 0) return HingePolynomial{{ggx->value(0), 0, 0}};
+  if (const auto* phong = std::get_if<Phong>(&lobe)) {
+    if (phong->exponent == 2) return HingePolynomial{{0, phong->scale(), 0}};
+    if (phong->exponent == 3) return HingePolynomial{{0, 0, phong->scale()}};
+  }
+  return std::nullopt;
+}
+
+void hinge_map(const Hinges& hinges, const HingePolynomial& weight, double max_error, double mean, const Making& map) {
+  const double error = max_error - 3 * rounding;
+  map.each_row([&](std::span<const Direction> directions, std::span<Colour> texels, std::span<float> bounds) {
+    std::vector<HingeSum> sums(directions.size());
+    hinges.sums(weight, directions, error, {}, sums);
+    for (std::size_t k = 0; k < sums.size(); ++k) bounds[k] = set_texel(sums[k], floor_of_mean * mean, texels[k]);
+  });
+}
+
+}  // namespace envmap::prefiltering

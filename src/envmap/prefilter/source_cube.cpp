@@ -1,0 +1,26 @@
+#include "envmap/prefilter/source_cube.h"
+
+#include <cmath>
+
+#include "envmap/base/parallel.h"
+#include "envmap/operate/convert.h"
+
+namespace envmap::prefiltering {
+
+std::optional<EnvironmentMap> source_cube(const EnvironmentMap& map) {
+  if (map.projection() == Projection::cube || map.projection() == Projection::latlong) return std::nullopt;
+  return convert(map, {.to = {Projection::cube}, .filter = Filter::area});
+}
+
+std::optional<Level> refined(const Level& level, double texel) {
+  const int parts = std::max(1, int(std::ceil(pi / texel / rows_between_poles(level))));
+  if (parts == 1) return std::nullopt;
+  Level out(level.projection(), parts * level.height(), parts * level.width());
+  for_each_row(out.faces(), out.height(), {}, [&](int face, int row) {
+    const std::span<Colour> to = out.row(face, row);
+    for (int i = 0; i < out.width(); ++i) to[i] = *level.texel(face, i / parts, row / parts);
+  });
+  return out;
+}
+
+}  // namespace envmap::prefiltering

@@ -1,0 +1,45 @@
+/// @file
+/// A scene in memory with the environment that lights it.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "envmap/base/run.h"
+#include "envmap/scenes/render/shading/distant_lights.h"
+#include "envmap/scenes/render/shading/shading.h"
+#include "envmap/scenes/scene/scene.h"
+
+namespace envmap {
+
+struct LitScene {
+  Scene scene;
+  std::unique_ptr<const Environment> environment = {};  ///< Null: black.
+  std::vector<DistantLight> distant = {};               ///< Of it.
+
+  /// @param lights that stand for the environment where shadows are found; 0: it shines through everything.
+  void light_by(EnvironmentMap map, int lights, Reflection reflection, const Progress& progress);
+
+  /// Puts skins and morph targets where they are then. @return meshes that changed. @throws InputError where nodes are
+  /// beyond is_bounded() then.
+  std::vector<int> move_to(double time);
+
+  [[nodiscard]] Shot shot(double time, const std::optional<Colour>& ambient, bool shadows) const;
+
+  /// Whether nothing lights it.
+  [[nodiscard]] bool is_dark(const std::optional<Colour>& ambient) const;
+
+  /// remarks_on(), and whether it is black.
+  [[nodiscard]] std::vector<std::string> remarks(const std::optional<Colour>& ambient) const;
+};
+
+/// What of the file is missing or not drawn, in sentences.
+std::vector<std::string> remarks_on(const Scene& scene);
+
+/// With its first level, which is copied. @param environment may be null.
+LitScene read_lit_scene(const std::string& path, const EnvironmentMap* environment, int lights, Reflection reflection,
+                        double time, const Progress& progress);
+
+}  // namespace envmap

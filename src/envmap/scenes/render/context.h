@@ -1,0 +1,37 @@
+/// @file
+/// A current OpenGL 4.5 core context without a window: through EGL on a graphics card or the processor, or through
+/// OSMesa on the processor. Both libraries are opened when they are asked for; the program is linked to neither.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "envmap/scenes/render/drawing_method.h"
+
+namespace envmap {
+
+/// Whether `automatic` would draw on a graphics card. Where EGL lists one, it opens a context and closes it: no other
+/// may be current.
+bool finds_graphics_card();
+
+/// Current on the thread that made it, from then on; nothing of GL may be called on another one. GL's functions (gl.h)
+/// belong to the context made last, so there is one at a time.
+class Context {
+ public:
+  /// @param kind `automatic`: a graphics card through EGL, else OSMesa, else the processor through EGL.
+  /// @throws RendererError with the reason and what to install.
+  explicit Context(ContextKind kind);
+  ~Context();
+
+  /// The library, and what GL says of the renderer and its version.
+  [[nodiscard]] const std::string& renderer() const { return renderer_; }
+  [[nodiscard]] bool on_processor() const { return on_processor_; }  ///< llvmpipe or softpipe.
+
+ private:
+  struct Handle;
+  std::unique_ptr<Handle> handle_;
+  std::string renderer_;
+  bool on_processor_ = true;
+};
+
+}  // namespace envmap
