@@ -146,10 +146,10 @@ void refuse(const Convert& o, double max_error, const std::string& what) {
 
 // Leaves of the error asked for what the depth of the file rounds by; half of it where that is known of the result
 // alone. False where nothing is left.
-bool leave_to_filter(Convert& o, const std::optional<Rounding>& rounding) {
+bool leave_to_filter(const Convert& o, const std::optional<Rounding>& rounding, ConvertOptions& how) {
   const double asked = *o.convert.max_error;
   try {
-    o.convert.max_error = left_to_filter({asked, rounding});
+    how.max_error = left_to_filter({asked, rounding});
     return true;
   } catch (const AccuracyError& e) {
     refuse(o, asked, rounding ? e.what() : "integers, lossy compression and --openexr-envmap have no bound");
@@ -193,13 +193,13 @@ void add(Source& source, const Source& other, const Convert& o) {
 }
 
 // Radiance as a screen shows it, for files of integers. `clip` reports its loss as --clamp does.
-Rows displayed(Convert& o, const Rows& rows) {
-  const FileFormat* const format = format_with_extension(extension(o.output, o.write));
-  if (!format || !is_integer(choose_depth(*format, o.write)))
+Rows displayed(const Convert& o, WriteOptions& write, const Rows& rows) {
+  const FileFormat* const format = format_with_extension(extension(o.output, write));
+  if (!format || !is_integer(choose_depth(*format, write)))
     throw UsageError(o.output,
                      "holds radiance as it is: remove --display, or use --depth uint8 where the format has it");
-  if (o.display == Display::clip && !out_of_working(o.write.colour).apply) {
-    o.write.clamp = true;
+  if (o.display == Display::clip && !out_of_working(write.colour).apply) {
+    write.clamp = true;
     return rows;
   }
   Rows shown = rows;
@@ -221,7 +221,8 @@ void check_filter_options(const Convert& o) {
         fmt::format("--samples is for nearest, bilinear and bicubic: remove it or --filter {}", name(*filter)));
 }
 
-int run(Convert& o, Report& report) {
+// What options say before the input is known: the frame and the file that an engine wants, colours, the output's name.
+const EngineMap* resolve_options(Convert& o) {
   o.photo.field = o.fov;
   settle(o.photo, o.read);
   if (o.to && !has_forward(*o.to)) o.read.assumed_forward = o.forward;  // The output has no axis to choose.
@@ -232,7 +233,11 @@ int run(Convert& o, Report& report) {
   const EngineMap* engine = o.engine ? &environment_of(*o.engine) : nullptr;
   if (engine) settle(*o.engine, *engine, o.shard.part ? "" : o.output, o.to, o.forward, o.write);
   if (o.to) check_output(o.shard.whole(o.output), o.write, *o.to);
-  std::optional<Picture> circle;
+  return engine;
+}
+
+// The light that is converted: the input, with the light of --add, graded.
+Source light_of(const Convert& o, const EngineMap* engine, std::optional<Picture>& circle, Report& report) {
   Source source = read_input(o, circle, report);
   if (source.levels > 1 && !o.one_level)
     warn(fmt::format("{}: has {} levels, and only level {} is converted: use --level 0 to confirm, {}", o.input,
@@ -240,66 +245,98 @@ int run(Convert& o, Report& report) {
                      is_prefiltered_chain(source) ? "or 'envmap mipmap --keep' to keep all levels"
                                                   : "and 'envmap mipmap' to add levels"));
   if (!o.added.empty()) add(source, read_added(o), o);
-  o.convert.ball = ball_camera(o, source.map);
   grade(source, o.grade, o.read.colour);
   if (engine) warn_about_clamping(*o.engine, source.map.base(), portable::exp2(o.exposure), "convert");
-  const Frame from = source.map.frame();
+  return source;
+}
+
+// How the source is resampled: its frame, size, rotation and gain.
+ConvertOptions resampling_of(const Convert& o, const EnvironmentMap& source) {
+  const Frame from = source.frame();
   const Projection to = o.to.value_or(from.projection);
-  o.convert.to = {to, o.forward.value_or(o.to ? Forward::plus_z : from.forward)};
   if (o.forward && !has_forward(to) && !has_forward(from.projection))
     throw UsageError("--forward is for latlong and angular maps; neither input nor output is one");
-  if (o.turn && o.turn->of_sun() && o.convert.ball)
+  ConvertOptions how = o.convert;
+  how.ball = ball_camera(o, source);
+  if (o.turn && o.turn->of_sun() && how.ball)
     throw UsageError("--rotate sun:TO is for maps: convert the photo first, then rotate the result");
-  if (o.turn) o.convert.rotation = rotation_of(*o.turn, source.map);
-  o.convert.gain = portable::exp2(o.exposure);
-  o.convert.size =
-      size_inside_border(o.convert.size.value_or(matching_size(from.projection, source.map.base().height(), to)),
-                         o.write);
-  o.write.source_depth = source.depth;
-  o.write.provenance = source.provenance;
-  if (auto& luminance = o.write.provenance.white_luminance)
-    luminance = float(*luminance / o.convert.gain);  // The same light is now so many times (1,1,1).
-  check_output(o.shard.whole(o.output), o.write, to);
-  const std::optional<double> max_error = o.convert.max_error;
-  const MirroredAxis mirror = engine ? engine->mirror : MirroredAxis::none;
-  const std::optional<Rounding> rounding = mirrored(rounding_of(o.output, o.write), mirror);
-  if (max_error && !leave_to_filter(o, rounding)) return 1;
-
-  if (source.map.base().max_memory() > 0 && o.convert.filter == Filter::sat)
+  if (source.base().max_memory() > 0 && how.filter == Filter::sat)
     throw UsageError(
         "--filter sat needs a table of all texels in memory: remove --max-memory or choose another filter");
-  const std::string made_of = o.shard.part ? digest(source.map) : "";
-  const Resampler resampler(std::move(source.map), o.convert);
+  how.to = {to, o.forward.value_or(o.to ? Forward::plus_z : from.forward)};
+  if (o.turn) how.rotation = rotation_of(*o.turn, source);
+  how.gain = portable::exp2(o.exposure);
+  how.size = size_inside_border(how.size.value_or(matching_size(from.projection, source.base().height(), to)), o.write);
+  return how;
+}
+
+// How the result is written: what the source was, in the unit that the gain leaves.
+WriteOptions writing_of(const Convert& o, const Source& source, double gain) {
+  WriteOptions how = o.write;
+  how.source_depth = source.depth;
+  how.provenance = source.provenance;
+  if (auto& luminance = how.provenance.white_luminance)
+    luminance = float(*luminance / gain);  // The same light is now so many times (1,1,1).
+  if (o.convert.max_error && o.shard.part) how.facts["whole-max-error"] = "yes";
+  return how;
+}
+
+// The rows of the result, on which the error asked for holds in the file; nothing where it does not.
+struct Result {
+  Rows rows;
+  std::optional<Level> made;  // What the rows read, where all of it had to be made to know its rounding.
+};
+std::optional<Result> result_of(const Convert& o, const Resampler& resampler, const std::optional<Rounding>& rounding,
+                                Report& report) {
   const auto& choice = resampler.choice();
-  tell(report, o, resampler);
-  if (engine) add_frame(report, *o.engine, *engine);
-  bool within = !choice || tell_choice(*choice, *max_error);
-  Rows rows = resampler.rows();
-  std::optional<Level> made;
-  if (choice && within && !bounds_every_channel(*rounding, resampler.filter().floor * o.convert.gain)) {
-    made = level_of(rows);
-    rows = rows_of(*made, rows.forward);
-    within = holds(o, *rounding, *made, choice->trials.back().maximum, *max_error);
-    report.put("error.within", within);
-  }
-  if (o.display) rows = displayed(o, rows);
-  if (!within) {
-    report.put_seconds();
-    return 1;
-  }
-  detail(fmt::format("{} to {}: {}", name(from.projection), name(to),
+  if (choice && !tell_choice(*choice, *o.convert.max_error)) return std::nullopt;
+  Result result{resampler.rows(), std::nullopt};
+  if (!choice || bounds_every_channel(*rounding, resampler.filter().floor * portable::exp2(o.exposure))) return result;
+  result.made = level_of(result.rows);
+  result.rows = rows_of(*result.made, result.rows.forward);
+  const bool within = holds(o, *rounding, *result.made, choice->trials.back().maximum, *o.convert.max_error);
+  report.put("error.within", within);
+  return within ? std::optional(std::move(result)) : std::nullopt;
+}
+
+void tell_filter(const Convert& o, const Frame& from, const Frame& to, const Resampler& resampler) {
+  detail(fmt::format("{} to {}: {}", name(from.projection), name(to.projection),
                      words(resampler.filter().filter, resampler.filter().samples)));
   // At most with the root, where the source can be divided: 4 and 8 times at 1e-6 was measured.
   // Else it is hundreds of times.
   if (const auto error = o.convert.area_error; error && *error < 1e-5 && resampler.filter().filter == Filter::area)
     note(fmt::format("envmap convert: --area-error {:g} takes some {:.0f} times as long as 1e-4", *error,
                      std::sqrt(1e-4 / *error)));
-  if (max_error && o.shard.part) o.write.facts["whole-max-error"] = "yes";
-  const WriteOptions how = part_or_whole(o.shard, o.write, rows, made_of);
-  report.put_written(o.output, write_map(o.output, mirrored({rows}, mirror), how, "convert"));
+}
+
+int run(Convert& o, Report& report) {
+  const EngineMap* engine = resolve_options(o);
+  const MirroredAxis mirror = engine ? engine->mirror : MirroredAxis::none;
+  std::optional<Picture> circle;
+  Source source = light_of(o, engine, circle, report);
+  const Frame from = source.map.frame();
+  ConvertOptions how = resampling_of(o, source.map);
+  WriteOptions write = writing_of(o, source, how.gain);
+  check_output(o.shard.whole(o.output), write, how.to.projection);
+  const std::optional<Rounding> rounding = mirrored(rounding_of(o.output, write), mirror);
+  if (o.convert.max_error && !leave_to_filter(o, rounding, how)) return 1;
+
+  const std::string made_of = o.shard.part ? digest(source.map) : "";
+  const Resampler resampler(std::move(source.map), how);
+  tell(report, o, resampler);
+  if (engine) add_frame(report, *o.engine, *engine);
+  std::optional<Result> result = result_of(o, resampler, rounding, report);
+  if (!result) {
+    report.put_seconds();
+    return 1;
+  }
+  if (o.display) result->rows = displayed(o, write, result->rows);
+  tell_filter(o, from, how.to, resampler);
+  const WriteOptions part = part_or_whole(o.shard, write, result->rows, made_of);
+  report.put_written(o.output, write_map(o.output, mirrored({result->rows}, mirror), part, "convert"));
   if (circle) write_circle(o.photo, *circle);
   if (engine) tell_frame(o.output, *o.engine, *engine);
-  tell_lost_facts(o.output, {to, rows.forward}, o.write);
+  tell_lost_facts(o.output, {how.to.projection, result->rows.forward}, write);
   report.put_seconds();
   return 0;
 }

@@ -131,7 +131,7 @@ Facts record(const std::vector<Prefilter>& levels) {
                                   exact ? "raise --max-error" : "use " + depth));
 }
 
-void tell(const Prefilter& p, const BakedLevel& made) {
+void tell(const Prefilter& p, const LevelInFile& made) {
   const Prefiltered& done = made.done;
   std::string line = fmt::format("{}, {}: {}, {:.3f} s", words(p), p.size, method_name(done), done.seconds);
   if (done.error > 0)
@@ -143,7 +143,7 @@ void tell(const Prefilter& p, const BakedLevel& made) {
   if (!work.empty()) detail("steps: " + work);
 }
 
-void add_level(Report& report, const Prefilter& p, const BakedLevel& made) {
+void add_level(Report& report, const Prefilter& p, const LevelInFile& made) {
   const Prefiltered& done = made.done;
   report.append("levels[]");
   report.put("levels[].parameter", p.shape == Shape::diffuse ? ReportValue(nullptr) : p.parameter);
@@ -177,7 +177,7 @@ int table_alone(const Request& o) {
 }
 
 // What the file is asked to hold, less what its depth rounds by.
-void leave_to_prefilter(Request& o, const FileError& error) {
+void leave_to_prefilter(Request& o, const ErrorBudget& error) {
   try {
     if (o.max_error) o.map.max_error = left_to_prefilter(error);
   } catch (const AccuracyError& e) {
@@ -232,19 +232,19 @@ void choose_frame(Request& o, const EnvironmentMap& source) {
   o.map.forward = has_forward(o.map.to) ? o.forward.value_or(Forward::plus_z) : Forward::plus_z;
 }
 
-struct Making {
-  const Request& o;
-  const EngineMap* engine;
-  const EnvironmentMap& source;
-  FileError error;
-};
+// A level as the file will hold it. A mirror's level of an engine's chain is the environment as `convert` makes it:
+// what the engine shows is then no sharper than its texels.
+LevelInFile make_one(const PrefilterSource& prepared, const EngineMap* engine, const EnvironmentMap& source,
+                     const ErrorBudget& budget, const Prefilter& wanted) {
+  if (engine && is_mirror(wanted))
+    return resample_level(source, {wanted.to, wanted.forward}, wanted.size, budget, settings().verbose, wanted.rows);
+  return make_level(prepared, wanted, budget, settings().verbose, progress_line("prefilter " + words(wanted)));
+}
 
-// All levels. A mirror's level of an engine's chain is the environment as `convert` makes it: what the engine shows is
-// then no sharper than its texels.
-EnvironmentMap make_levels(const Making& m, const std::vector<Prefilter>& wanted, Report& report) {
-  const Request& o = m.o;
-  const PrefilterSource prepared(m.source);
-  if (const EnvironmentMap& cube = prepared.source(); settings().verbose && &cube != &m.source)
+EnvironmentMap make_levels(const Request& o, const EngineMap* engine, const EnvironmentMap& source,
+                           const ErrorBudget& budget, const std::vector<Prefilter>& wanted, Report& report) {
+  const PrefilterSource prepared(source);
+  if (const EnvironmentMap& cube = prepared.source(); settings().verbose && &cube != &source)
     note(fmt::format(
         "{}: prefiltered as the cube of {} that 'convert --filter area' makes of it; errors count from that", o.input,
         cube.base().height()));
@@ -255,14 +255,11 @@ EnvironmentMap make_levels(const Making& m, const std::vector<Prefilter>& wanted
       continue;
     }
     try {
-      BakedLevel level =
-          m.engine && is_mirror(p)
-              ? resample_level(m.source, {p.to, p.forward}, p.size, m.error, settings().verbose, p.rows)
-              : make_level(prepared, p, m.error, settings().verbose, progress_line("prefilter " + words(p)));
+      LevelInFile level = make_one(prepared, engine, source, budget, p);
       tell(p, level);
       add_level(report, p, level);
       if (level.rounded > 0 && settings().verbose)
-        note(fmt::format("{}: in the file as {}", words(p), rounding_words(*m.error.rounding, level.rounded)));
+        note(fmt::format("{}: in the file as {}", words(p), rounding_words(*budget.rounding, level.rounded)));
       made.levels.push_back(std::move(level.done.map.base()));
     } catch (const AccuracyError& e) {
       refuse(o, fmt::format("{}: {}", words(p), e.what()));
@@ -286,12 +283,15 @@ WriteOptions options_of(const Request& o, const Source& source, const EngineMap*
   return part_or_whole(o.shard, how, o.map.to, sizes_of(levels), digest(source.map));
 }
 
-int run(Request& o, Report& report) {
+void check_request(const Request& o) {
   if (o.input.empty() != o.output.empty() || (o.input.empty() && o.table.empty()))
     throw UsageError("needs INPUT and OUTPUT, or only --brdf-table FILE");
   if (settings().json && o.input.empty()) throw UsageError("--json: needs INPUT and OUTPUT");
   check_brdf_table(o);
-  if (o.input.empty()) return table_alone(o);
+}
+
+// What options say before the input is known: the lobe, the frame and the file, also those that an engine wants.
+const EngineMap* resolve_options(Request& o) {
   choose_working_space(o.read, o.write);
   if (out_of_working(o.write.colour).apply)
     throw UsageError("--output-space: must be a linear space for prefiltered light");
@@ -301,27 +301,39 @@ int run(Request& o, Report& report) {
   o.map.to = o.to.value_or(Projection::cube);
   o.map.scale = o.scale;
   check_output(o.shard.whole(o.output), o.write, o.map.to);
-  const Source source = read_map(o.input, o.read);
+  return engine;
+}
+
+Source read_source(const Request& o) {
+  Source source = read_map(o.input, o.read);
   if (is_prefiltered_chain(source) && !o.one_level)
     warn(
         fmt::format("{}: has {} levels of {}, and only level 0 is filtered: use the map that they were made of, or "
                     "--level 0 to confirm",
                     o.input, source.levels, source.facts.at("lobe")));
+  return source;
+}
+
+int run(Request& o, Report& report) {
+  check_request(o);
+  if (o.input.empty()) return table_alone(o);
+  const EngineMap* engine = resolve_options(o);
+  const MirroredAxis mirror = engine ? engine->mirror : MirroredAxis::none;
+  const Source source = read_source(o);
   choose_frame(o, source.map);
   o.write.source_depth = is_integer(source.depth) ? Depth::half : source.depth;
-  const MirroredAxis mirror = engine ? engine->mirror : MirroredAxis::none;
-  const FileError error{o.max_error, mirrored(rounding_of(o.output, o.write), mirror)};
-  leave_to_prefilter(o, error);
+  const ErrorBudget budget{o.max_error, mirrored(rounding_of(o.output, o.write), mirror)};
+  leave_to_prefilter(o, budget);
   std::vector<Prefilter> wanted = levels_of(o);
   const WriteOptions how = options_of(o, source, engine, wanted);
-  choose_rows(o, error.rounding, how, wanted);
+  choose_rows(o, budget.rounding, how, wanted);
   check_output(o.output, how, o.map.to, wanted.size() > 1);
 
   report.put("input", o.input);
   report.put("lobe", name_of(o.map.shape));
   report.put("max_error", o.max_error.value_or(o.map.max_error));
   if (engine) add_frame(report, *o.engine, *engine);
-  const EnvironmentMap made = make_levels({o, engine, source.map, error}, wanted, report);
+  const EnvironmentMap made = make_levels(o, engine, source.map, budget, wanted, report);
   const std::vector<Rows> rows = mirrored(all_rows_of(made), o.shard.part ? MirroredAxis::none : mirror);
   report.put_written(o.output, write_map(o.output, rows, how, "write"));
   if (!o.table.empty()) write_brdf_table(o);

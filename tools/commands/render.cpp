@@ -144,7 +144,7 @@ int run(Request& o, Report& report) {
   check(o);
   const Frames frames = frames_of(o.scene);
   check_output(frames.path(o.output, frames.first), o.write, o.from.to);
-  if (o.distance) check_distances(frames.path(o.output, frames.first), o.write, o.from.to);
+  if (o.distance) check_distances(frames.path(o.output, frames.first), o.write);
   const std::vector<std::string> outputs = frames.paths(o.output);
   const FaceNames faces{.written = o.write.faces, .read = {}};
   check_files(outputs, {o.scene.path, o.scene.environment}, faces);  // Before reading takes its time.

@@ -30,9 +30,9 @@ Rows mirrored(const Rows& rows, MirroredAxis mirror) {
 
 int scaled(int size, int doublings) { return std::max(1, doublings < 0 ? size >> -doublings : size << doublings); }
 
-std::string of_lobes(const FileError& error, double max_error) {
-  return error.asked ? fmt::format("every texel read from it within {:g}", *error.asked)
-                     : fmt::format("every texel within {:g} before its depth rounds it", max_error);
+std::string of_lobes(const ErrorBudget& budget, double max_error) {
+  return budget.asked ? fmt::format("every texel read from it within {:g}", *budget.asked)
+                      : fmt::format("every texel within {:g} before its depth rounds it", max_error);
 }
 
 }  // namespace
@@ -63,25 +63,25 @@ std::map<std::string, std::string> irradiance_pairs(const EngineMap& map, const 
 
 Baker::Baker(const EnvironmentMap& source, const BakeOptions& options) : source_(source), options_(options) {}
 
-BakedMap Baker::environment(const EngineMap& wanted, const FileError& error) const {
+BakedMap Baker::environment(const EngineMap& wanted, const ErrorBudget& budget) const {
   const Projection to = wanted.frame.projection;
   const int dense = matching_size(source_.projection(), source_.base().height(), to);
   const int size = options_.size.value_or(scaled(dense, options_.quality.environment));
   BakedMap made;
-  if (!error.asked) {
+  if (!budget.asked) {
     made.rows.push_back(Resampler(source_, {.to = wanted.frame, .size = size}).rows());
     made.accuracy = "resampled as 'envmap convert' does by itself";
     return made;
   }
-  BakedLevel level = resample_level(source_, wanted.frame, size, error, true);
+  LevelInFile level = resample_level(source_, wanted.frame, size, budget, true);
   made.levels = std::move(level.done.map);
   made.rows = all_rows_of(made.levels);
   made.accuracy = fmt::format("read from it within {:g}, by {} and its depth, in the texels where that was measured",
-                              *error.asked, method_name(level.done));
+                              *budget.asked, method_name(level.done));
   return made;
 }
 
-BakedMap Baker::chain(const EngineMap& wanted, const FileError& error, const Progress& progress) {
+BakedMap Baker::chain(const EngineMap& wanted, const ErrorBudget& budget, const Progress& progress) {
   const int base = options_.chain_size.value_or(scaled(wanted.chain->size, options_.quality.chain));
   const std::vector<double> roughnesses = level_roughnesses(wanted, base, {}, "chain_size");
   BakedMap made{.facts = {{"lobe", "ggx"}}};
@@ -93,39 +93,39 @@ BakedMap Baker::chain(const EngineMap& wanted, const FileError& error, const Pro
                                  .parameter = roughnesses[k],
                                  .to = wanted.frame.projection,
                                  .size = size};
-    BakedLevel level = is_mirror(wanted_level)
-                           ? resample_level(source_, wanted.frame, size, error, false)
-                           : lobe(wanted_level, error, part_progress(progress, share * double(k), share));
+    LevelInFile level = is_mirror(wanted_level)
+                            ? resample_level(source_, wanted.frame, size, budget, false)
+                            : lobe(wanted_level, budget, part_progress(progress, share * double(k), share));
     made.levels.levels.push_back(std::move(level.done.map.base()));
   }
   made.rows = all_rows_of(made.levels);
   made.pairs = irradiance_pairs(wanted, source_, {});
-  made.accuracy = of_lobes(error, options_.quality.max_error);
+  made.accuracy = of_lobes(budget, options_.quality.max_error);
   return made;
 }
 
-BakedMap Baker::diffuse(const EngineMap& wanted, const FileError& error, const Progress& progress) {
+BakedMap Baker::diffuse(const EngineMap& wanted, const ErrorBudget& budget, const Progress& progress) {
   BakedMap made{.facts = {{"lobe", "diffuse"}}};
   const int size = scaled(wanted.diffuse, options_.quality.chain);
   const Prefilter diffuse{.to = wanted.frame.projection, .size = size, .forward = wanted.frame.forward};
-  made.levels = std::move(lobe(diffuse, error, progress).done.map);
+  made.levels = std::move(lobe(diffuse, budget, progress).done.map);
   made.rows = all_rows_of(made.levels);
-  made.accuracy = of_lobes(error, options_.quality.max_error);
+  made.accuracy = of_lobes(budget, options_.quality.max_error);
   return made;
 }
 
-BakedLevel Baker::lobe(const Prefilter& wanted, const FileError& error, const Progress& progress) {
+LevelInFile Baker::lobe(const Prefilter& wanted, const ErrorBudget& budget, const Progress& progress) {
   if (!prepared_) prepared_ = std::make_unique<PrefilterSource>(source_);
   Prefilter within = wanted;
-  within.max_error = error.asked ? left_to_prefilter(error) : options_.quality.max_error;
-  return make_level(*prepared_, within, error, false, progress);
+  within.max_error = budget.asked ? left_to_prefilter(budget) : options_.quality.max_error;
+  return make_level(*prepared_, within, budget, false, progress);
 }
 
 BakedMap Baker::make(const EngineMap& wanted, const std::optional<Rounding>& rounding, const Progress& progress) {
-  const FileError error{options_.max_error, mirrored(rounding, wanted.mirror)};
-  BakedMap made = wanted.chain         ? chain(wanted, error, progress)
-                  : wanted.diffuse > 0 ? diffuse(wanted, error, progress)
-                                       : environment(wanted, error);
+  const ErrorBudget budget{options_.max_error, mirrored(rounding, wanted.mirror)};
+  BakedMap made = wanted.chain         ? chain(wanted, budget, progress)
+                  : wanted.diffuse > 0 ? diffuse(wanted, budget, progress)
+                                       : environment(wanted, budget);
   made.rows = mirrored(std::move(made.rows), wanted.mirror);
   return made;
 }

@@ -44,10 +44,10 @@ class Baker {
                               const Progress& progress = {});
 
  private:
-  [[nodiscard]] BakedMap environment(const EngineMap& wanted, const FileError& error) const;
-  [[nodiscard]] BakedMap chain(const EngineMap& wanted, const FileError& error, const Progress& progress);
-  [[nodiscard]] BakedMap diffuse(const EngineMap& wanted, const FileError& error, const Progress& progress);
-  [[nodiscard]] BakedLevel lobe(const Prefilter& wanted, const FileError& error, const Progress& progress);
+  [[nodiscard]] BakedMap environment(const EngineMap& wanted, const ErrorBudget& budget) const;
+  [[nodiscard]] BakedMap chain(const EngineMap& wanted, const ErrorBudget& budget, const Progress& progress);
+  [[nodiscard]] BakedMap diffuse(const EngineMap& wanted, const ErrorBudget& budget, const Progress& progress);
+  [[nodiscard]] LevelInFile lobe(const Prefilter& wanted, const ErrorBudget& budget, const Progress& progress);
 
   const EnvironmentMap& source_;
   BakeOptions options_;

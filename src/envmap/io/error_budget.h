@@ -1,4 +1,6 @@
-// --max-error of a file, as its readers find it: what its maps were made with, and what its depth rounds them by.
+/// @file
+/// The error budget of a file: --max-error holds for what readers find in it. A part of it is what the depth rounds by;
+/// the rest is left to prefiltering, or to the filter of a conversion.
 #pragma once
 
 #include <optional>
@@ -11,8 +13,8 @@
 
 namespace envmap {
 
-/// What a file may err by.
-struct FileError {
+/// The error that a file may have.
+struct ErrorBudget {
   /// Of all; else what is made errs by its own default, and rounding comes on top.
   std::optional<double> asked;
   std::optional<Rounding> rounding;  ///< Of its depth; nothing where that has no bound.
@@ -20,10 +22,11 @@ struct FileError {
 
 /// What is left for making a map. Half of what is asked where rounding is known of the result alone.
 /// @throws AccuracyError where the depth rounds by more than was asked: what rounds, and by how much.
-double left_to_prefilter(const FileError& error);
-double left_to_filter(const FileError& error);
+double left_to_prefilter(const ErrorBudget& budget);
+double left_to_filter(const ErrorBudget& budget);
 
-struct BakedLevel {
+/// A level that was made for a file, and its error there.
+struct LevelInFile {
   Prefiltered done;
   double rounded = 0;    ///< What the file's depth takes from it; 0 where that was not asked for.
   bool sampled = false;  ///< `done.error` was measured in some texels: of resample_level().
@@ -38,13 +41,13 @@ struct BakedLevel {
 /// @param wanted its max_error is left_to_prefilter(). @param measure whether `rounded` is wanted where nothing was
 /// asked.
 /// @throws AccuracyError where the file errs by more than was asked.
-BakedLevel make_level(const PrefilterSource& source, const Prefilter& wanted, const FileError& error, bool measure,
-                      const Progress& progress);
+LevelInFile make_level(const PrefilterSource& source, const Prefilter& wanted, const ErrorBudget& budget, bool measure,
+                       const Progress& progress);
 
 /// The environment itself, resampled as `envmap convert` does. @param rows which to make, as Prefilter::rows.
 /// @throws AccuracyError as make_level().
-BakedLevel resample_level(const EnvironmentMap& source, const Frame& frame, std::optional<int> size,
-                          const FileError& error, bool measure, const std::vector<char>& rows = {});
+LevelInFile resample_level(const EnvironmentMap& source, const Frame& frame, std::optional<int> size,
+                           const ErrorBudget& budget, bool measure, const std::vector<char>& rows = {});
 
 /// "half, which rounds by up to 4.9e-04".
 std::string rounding_words(const Rounding& rounding, double rounded);

@@ -189,84 +189,131 @@ std::uint64_t least_bytes(std::span<const Rows> levels, const FileFormat& format
   return format.least_bytes ? std::uint64_t(texels * format.least_bytes(depth, options)) : 0;
 }
 
-// Where a map goes beside its files, and what goes with it; null: nowhere, nothing.
-struct Beside {
-  std::vector<std::byte>* memory = nullptr;  // Takes the bytes of the one file instead.
+// Where the bytes of a map go instead of files, and what goes with it. Null: into files, nothing.
+struct Destination {
+  std::vector<std::byte>* memory = nullptr;  // Takes the bytes of the one file.
   const Rows* distances = nullptr;           // For the channel Z of the one EXR file.
 };
 
-// All files of a map, whose samples lie where the files want them.
-Written write_files(const std::string& path, std::span<const Rows> levels, const WriteOptions& options,
-                    const Progress& progress, const Beside& beside) {
-  std::vector<std::byte>* const memory = beside.memory;
-  const Rows& base = levels.front();
-  const std::string ext = extension(path, options);
-  const FileFormat& format = *format_with_extension(ext);
-  Written done{.depth = choose_depth(format, options), .layout = choose_layout(path, format, options, base.projection)};
-  const Range range = range_of(format, done.depth);
-  std::vector<std::unique_ptr<ClampedRows>> limited;
-  std::vector<Rows> rows;
-  const ColourTransform colours = out_of_working(options.colour);
-  std::vector<Rows> stored;
-  for (const Rows& level : levels) stored.push_back(in_space(level, colours));
-  for (const Rows& level : stored) {
-    limited.push_back(std::make_unique<ClampedRows>(level, range, options.clamp));
-    rows.push_back(done.layout == Layout::api ? in_api_orientation(limited.back()->rows()) : limited.back()->rows());
+// The levels as the files store them: in their space, within the range of their depth, in their orientation.
+class StoredLevels {
+ public:
+  StoredLevels(std::span<const Rows> levels, const OutputPlan& plan, const WriteOptions& options) {
+    const ColourTransform colours = out_of_working(options.colour);
+    const Range range = range_of(plan.format, plan.depth);
+    for (const Rows& level : levels) in_space_.push_back(in_space(level, colours));
+    for (const Rows& level : in_space_) {
+      limited_.push_back(std::make_unique<ClampedRows>(level, range, options.clamp));
+      const Rows limited = limited_.back()->rows();
+      rows_.push_back(plan.layout == Layout::api ? in_api_orientation(limited) : limited);
+    }
   }
+
+  [[nodiscard]] std::span<const Rows> rows() const { return rows_; }
+  // Once all rows are written. @throws OutputError where the depth loses light, and clamping was not asked for.
+  void check_fit_of(const std::string& path, const OutputPlan& plan, const WriteOptions& options, Written& done) const {
+    for (const auto& level : limited_) check_fit(path, plan.format, level->total(), options, done);
+  }
+
+ private:
+  std::vector<Rows> in_space_, rows_;
+  std::vector<std::unique_ptr<ClampedRows>> limited_;
+};
+
+// What the files say of the map.
+Metadata metadata_of(const Rows& base, const OutputPlan& plan, const WriteOptions& options) {
   Metadata data{.projection = base.projection, .facts = options.facts, .provenance = options.provenance};
-  if (base.projection == Projection::cube && done.layout != Layout::api) data.layout = done.layout;
+  if (base.projection == Projection::cube && plan.layout != Layout::api) data.layout = plan.layout;
   if (has_forward(base.projection)) data.forward = base.forward;
   if (options.border > 0) data.border = options.border;
   if (const auto convention = convention_of(options.faces); !convention.empty())
     data.facts[std::string(faces_fact)] = convention;
-  check_space(path, format, done.depth, options);
-  tell_space(data, options.colour, is_integer(done.depth));
+  tell_space(data, options.colour, is_integer(plan.depth));
+  return data;
+}
 
-  const KhrColour colour = described(data, options.colour).value_or(KhrColour{});
+// The files of a map: all are written before the first appears.
+class MapFiles {
+ public:
+  MapFiles(const OutputPlan& plan, const Metadata& data, const WriteOptions& options, const Destination& destination,
+           std::uint64_t least)
+      : plan_(plan), data_(data), options_(options), destination_(destination), least_(least) {}
 
-  // All files are written before the first appears.
-  std::vector<std::unique_ptr<OutputFile>> files;
-  const TexturePlan plan{texels_of(done.depth), done.layout == Layout::api, options.zstd, colour, data, options.pairs};
-  const auto write_into = [&](const std::string& name, std::span<const Atlas> atlases, const Progress& part) {
-    if (format.write)
-      naming(name, [&] { format.write(*files.back(), atlases, plan, part); });
-    else
-      write_image(*files.back(), name, ext, atlases, done.depth, data, options, beside.distances, part);
-  };
-  const auto write_file = [&](const std::string& name, std::span<const Atlas> atlases, const Progress& part) {
-    files.push_back(memory ? std::make_unique<OutputFile>() : std::make_unique<OutputFile>(name, options.commit));
-    if (files.size() == 1 && options.rows.empty())
-      files.back()->expect(least_bytes(levels, format, done.depth, options));
+  void write(const std::string& name, std::span<const Atlas> atlases, const Progress& progress) {
+    files_.push_back(destination_.memory ? std::make_unique<OutputFile>()
+                                         : std::make_unique<OutputFile>(name, options_.commit));
+    if (files_.size() == 1 && options_.rows.empty()) files_.back()->expect(least_);
     try {
-      write_into(name, atlases, part);
+      write_into(*files_.back(), name, atlases, progress);
     } catch (const OutputError&) {
-      files.back()->check();  // What the disk says is more than what an encoder makes of it.
+      files_.back()->check();  // What the disk says is more than what an encoder makes of it.
       throw;
     }
-  };
-  if (levels.size() > 1 && !has_level(path)) {
-    if (!format.texture) data.levels = int(levels.size());
-    if (options.rows.empty()) {
-      write_file(path, MipChain(rows, done.layout, !format.texture).atlases(), progress);
-    } else {
-      const Rows stack = stacked(rows, grid(done.layout), options.rows);
-      const Atlas atlas{stack, {1, 1, {}}, 0};
-      write_file(path, std::span(&atlas, 1), progress);
-    }
-  } else {
-    const int count = done.layout == Layout::files ? faces(base.projection) : 1;
-    const FaceFiles names = face_files(options.faces);
-    for (std::size_t level = 0; level < levels.size(); ++level)
-      for (int k = 0; k < count; ++k) {
-        const std::string one = level_path(path, int(level));
-        const Rows face = count == 6 ? stored_rows(rows[level], k, names[std::size_t(k)].stored) : rows[level];
-        const Atlas atlas{face, grid(done.layout), count > 1 ? k : -1};
-        const Progress part = level > 0 ? Progress() : part_progress(progress, double(k) / count, 1.0 / count);
-        write_file(count > 1 ? face_path(one, k, names) : one, std::span(&atlas, 1), part);
-      }
   }
-  for (const auto& level : limited) check_fit(path, format, level->total(), options, done);
-  for (const auto& file : files) memory ? (void)(*memory = file->bytes()) : file->commit();
+
+  void appear() {
+    for (const auto& file : files_) destination_.memory ? (void)(*destination_.memory = file->bytes()) : file->commit();
+  }
+
+ private:
+  void write_into(OutputFile& file, const std::string& name, std::span<const Atlas> atlases, const Progress& progress) {
+    if (!plan_.format.write)
+      return write_image(file, name, plan_.extension, atlases, plan_.depth, data_, options_, destination_.distances,
+                         progress);
+    const KhrColour colour = described(data_, options_.colour).value_or(KhrColour{});
+    const TexturePlan texture{texels_of(plan_.depth), plan_.layout == Layout::api, options_.zstd, colour, data_,
+                              options_.pairs};
+    naming(name, [&] { plan_.format.write(file, atlases, texture, progress); });
+  }
+
+  const OutputPlan& plan_;
+  const Metadata& data_;
+  const WriteOptions& options_;
+  const Destination& destination_;
+  std::uint64_t least_;  // Bytes that the first file surely gets.
+  std::vector<std::unique_ptr<OutputFile>> files_;
+};
+
+// All levels in one file, or the rows of them that were asked for.
+void write_chain(MapFiles& files, const std::string& path, std::span<const Rows> rows, const OutputPlan& plan,
+                 const WriteOptions& options, const Progress& progress) {
+  if (options.rows.empty())
+    return files.write(path, MipChain(rows, plan.layout, !plan.format.texture).atlases(), progress);
+  const Rows stack = stacked(rows, grid(plan.layout), options.rows);
+  const Atlas atlas{stack, {1, 1, {}}, 0};
+  files.write(path, std::span(&atlas, 1), progress);
+}
+
+// A file a level, or a file a face.
+void write_each(MapFiles& files, const std::string& path, std::span<const Rows> rows, const OutputPlan& plan,
+                const Progress& progress) {
+  const int count = plan.layout == Layout::files ? faces(rows.front().projection) : 1;
+  for (std::size_t level = 0; level < rows.size(); ++level)
+    for (int k = 0; k < count; ++k) {
+      const std::string one = level_path(path, int(level));
+      const Rows face = count == 6 ? stored_rows(rows[level], k, plan.faces[std::size_t(k)].stored) : rows[level];
+      const Atlas atlas{face, grid(plan.layout), count > 1 ? k : -1};
+      const Progress part = level > 0 ? Progress() : part_progress(progress, double(k) / count, 1.0 / count);
+      files.write(count > 1 ? face_path(one, k, plan.faces) : one, std::span(&atlas, 1), part);
+    }
+}
+
+// All files of a map, whose samples lie where the files want them.
+Written write_files(const std::string& path, std::span<const Rows> levels, const OutputPlan& plan,
+                    const WriteOptions& options, const Progress& progress, const Destination& destination) {
+  check_space(path, plan.format, plan.depth, options);
+  const StoredLevels stored(levels, plan, options);
+  const bool chain = levels.size() > 1 && !has_level(path);
+  Metadata data = metadata_of(levels.front(), plan, options);
+  if (chain && !plan.format.texture) data.levels = int(levels.size());
+  MapFiles files(plan, data, options, destination, least_bytes(levels, plan.format, plan.depth, options));
+  if (chain)
+    write_chain(files, path, stored.rows(), plan, options, progress);
+  else
+    write_each(files, path, stored.rows(), plan, progress);
+  Written done{.depth = plan.depth, .layout = plan.layout};
+  stored.check_fit_of(path, plan, options, done);
+  files.appear();
   return done;
 }
 
@@ -283,10 +330,11 @@ void check_count(const std::string& path, std::span<const Rows> levels, int bord
 }
 
 // A range for each level. Sizes are those of the whole, whose border may be missing here.
-void check_row_ranges(const std::string& path, std::span<const Rows> levels, const WriteOptions& options) {
+void check_row_ranges(const std::string& path, std::span<const Rows> levels, const OutputPlan& plan,
+                      const WriteOptions& options) {
   if (options.rows.size() != levels.size())
     throw UsageError(path, fmt::format("{} ranges of rows for {} levels", options.rows.size(), levels.size()));
-  const Grid places = grid(choose_layout(path, *format_with_extension("exr"), options, levels.front().projection));
+  const Grid places = grid(plan.layout);
   for (std::size_t k = 0; k < levels.size(); ++k) {
     const auto [begin, end] = options.rows[k];
     const int height = places.rows * levels[k].size;
@@ -295,31 +343,30 @@ void check_row_ranges(const std::string& path, std::span<const Rows> levels, con
   }
 }
 
-// To files, or into memory.
-Written write_checked(const std::string& path, std::span<const Rows> levels, const WriteOptions& options,
-                      const Progress& progress, const Beside& beside) {
+// The levels with their border, with OpenEXR's samples on the border, or as they are.
+Written write_as_planned(const std::string& path, std::span<const Rows> levels, const OutputPlan& plan,
+                         const WriteOptions& options, const Progress& progress, const Destination& destination) {
+  EnvironmentMap map;  // Where samples are not those of the rows.
   if (options.border > 0) {
-    EnvironmentMap textures;
-    for (const Rows& rows : levels) textures.levels.push_back(with_border(level_of(rows), options.border));
-    check_sizes(path, all_rows_of(textures));
-    return write_files(path, all_rows_of(textures), options, progress, beside);
+    for (const Rows& rows : levels) map.levels.push_back(with_border(level_of(rows), options.border));
+    check_sizes(path, all_rows_of(map));
+    return write_files(path, all_rows_of(map), plan, options, progress, destination);
   }
   if (!options.rows.empty())
-    check_row_ranges(path, levels, options);
+    check_row_ranges(path, levels, plan, options);
   else
     check_sizes(path, levels);
-  if (!options.openexr_envmap) return write_files(path, levels, options, progress, beside);
+  if (!options.openexr_envmap) return write_files(path, levels, plan, options, progress, destination);
   if (levels.front().forward != Forward::plus_z)
     throw UsageError(path, "OpenEXR's envmap files have +z at the centre", Remedy::choose_plus_z);
-  EnvironmentMap border;
-  for (const Rows& rows : levels) border.levels.push_back(level_of(rows));
-  if (levels.size() > 1) add_levels(border.levels);
-  for (Level& level : border.levels) level = to_border(level);
-  return write_files(path, all_rows_of(border), options, progress, beside);
+  for (const Rows& rows : levels) map.levels.push_back(level_of(rows));
+  if (levels.size() > 1) add_levels(map.levels);
+  for (Level& level : map.levels) level = to_border(level);
+  return write_files(path, all_rows_of(map), plan, options, progress, destination);
 }
 
 Written write_map(const std::string& path, std::span<const Rows> levels, const WriteOptions& options, const Run& run,
-                  const Beside& beside) {
+                  const Destination& destination) {
   if (levels.empty()) throw UsageError(path, "nothing to write: the map has no levels");
   for (const Rows& rows : levels) check_rows(rows);
   check_range(limits::border, options.border);
@@ -327,10 +374,11 @@ Written write_map(const std::string& path, std::span<const Rows> levels, const W
   for (const Rows& rows : levels)
     if (rows.projection != base.projection || rows.forward != base.forward)
       throw UsageError(path, "levels of one map must have one projection and forward axis");
-  check_output(path, options, base.projection, levels.size() > 1);
+  const OutputPlan plan = plan_output(path, options, base.projection, levels.size() > 1);
   check_count(path, levels, options.border);
-  return carry_out(run,
-                   [&](const Progress& progress) { return write_checked(path, levels, options, progress, beside); });
+  return carry_out(run, [&](const Progress& progress) {
+    return write_as_planned(path, levels, plan, options, progress, destination);
+  });
 }
 
 }  // namespace
@@ -358,56 +406,18 @@ std::vector<std::byte> encode(std::span<const Rows> levels, const WriteOptions& 
 }
 
 void check_output(const std::string& path, const WriteOptions& options, Projection projection, bool levels) {
-  check_enumerator("projection", projection);
-  check_enumerator("source_depth", options.source_depth);
-  if (options.depth) check_enumerator("depth", *options.depth);
-  if (options.layout) check_enumerator("layout", *options.layout);
-  std::error_code error;
-  if (path != "-" && std::filesystem::is_directory(path, error))
-    throw OutputError(path, "is a folder: give a file name");
-  check_marks(path);
-  const std::string ext = extension(path, options);
-  const FileFormat* format = format_with_extension(ext);
-  if (!format) {
-    const std::string known = writable_extensions(projection, levels && !has_level(path));
-    if (ext.empty()) throw UsageError(path, "has no file type: end the name in " + known, Remedy::choose_format);
-    throw UsageError(path, fmt::format("cannot write .{} files: try {}", ext, known));
-  }
-  if (const FileFormat* named = format_with_extension(extension_of(path)); path != "-" && named && named != format)
-    throw UsageError(path, fmt::format("is named as a {} file, and the format asked for is {}: make the two agree",
-                                       named->title, format->title));
-  choose_depth(*format, options);
-  if (!is_integer(format->depths.front())) check_space(path, *format, format->depths.front(), options);
-  const Layout layout = choose_layout(path, *format, options, projection);
-  check_faces(path, options.faces);
-  const FaceFiles names = face_files(options.faces);
-  if (options.openexr_envmap &&
-      (!format->can(FileFormat::envmap_mark) || (layout != Layout::column && projection != Projection::latlong)))
-    throw UsageError(path, "OpenEXR's envmap attribute is for .exr files of latlong maps and of cubes in a column");
-  if (options.border > 0 && !is_octahedral(projection))
-    throw UsageError(fmt::format("a border is for octahedral and equal-area maps, not for a {} map", name(projection)));
-  if (!options.rows.empty() && (!format->can(FileFormat::row_range) || layout == Layout::files || has_level(path) ||
-                                options.openexr_envmap || options.border > 0))
-    throw UsageError(path, "a part of a map is one .exr file, without borders: merge writes other formats");
-  check_compression(path, *format, options.compression);
-  if (options.zstd && !format->can(FileFormat::zstd)) throw UsageError(path, "Zstandard is for .ktx2 files");
-  if (levels && !has_level(path) && (!format->levels || layout == Layout::files))
-    throw UsageError(path, fmt::format("{} one level: put {{level}} into the file name",
-                                       layout == Layout::files ? "files of one face hold" : "." + ext + " files hold"));
-  for (const std::string& file : files_named(path, 1, names)) require_folder_of(file);
+  (void)plan_output(path, options, projection, levels);
 }
 
-void check_distances(const std::string& path, const WriteOptions& options, Projection projection) {
+void check_distances(const std::string& path, const WriteOptions& options) {
   const FileFormat* const format = format_with_extension(extension(path, options));
-  if (!format || !format->can(FileFormat::row_range) ||
-      choose_layout(path, *format, options, projection) == Layout::files || options.openexr_envmap ||
-      options.border > 0)
+  if (!format || !format->can(FileFormat::row_range) || has_face(path) || options.openexr_envmap || options.border > 0)
     throw UsageError(path, "distances are written to one .exr file, without borders or OpenEXR's envmap attribute");
 }
 
 Written write_with_distances(const std::string& path, const EnvironmentMap& map, std::span<const float> distances,
                              const WriteOptions& options, const Run& run) {
-  check_distances(path, options, map.projection());
+  check_distances(path, options);
   const Level& level = map.base();
   const ImageView<const float> view(distances, level.width(), level.height(), level.faces());
   Rows rows = rows_of(level, map.forward);

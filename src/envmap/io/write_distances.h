@@ -9,7 +9,7 @@
 namespace envmap {
 
 /// Says early what write_with_distances() would say late. @throws UsageError.
-void check_distances(const std::string& path, const WriteOptions& options, Projection projection);
+void check_distances(const std::string& path, const WriteOptions& options);
 
 /// Writes a map of one level as write() does, to one EXR file with a channel Z beside R, G and B: floats, infinite
 /// where no face lies in the image. @param distances one a texel, in the order of faces, rows and columns.

@@ -1,5 +1,6 @@
 /// @file
-/// What write() decides before it writes.
+/// What write() decides before it writes. Making the plan is the check: whoever has one has an output that can be
+/// written.
 #pragma once
 
 #include <string>
@@ -22,11 +23,20 @@ struct TexturePlan {
   const KeyValues& pairs;  ///< The caller's.
 };
 
+/// The files of a map.
+struct OutputPlan {
+  std::string extension;
+  const FileFormat& format;
+  Depth depth;
+  Layout layout;
+  FaceFiles faces;  ///< Of Layout::files.
+};
+
+/// @param levels whether there will be more than one. @throws UsageError or OutputError, as check_output() says.
+OutputPlan plan_output(const std::string& path, const WriteOptions& options, Projection projection, bool levels);
+
 /// The extension that names the format: WriteOptions::format, or that of the file name.
 std::string extension(const std::string& path, const WriteOptions& options);
-
-/// @throws UsageError where the name has a mark that stands for nothing, such as {fcae}: it would stay in the name.
-void check_marks(const std::string& path);
 
 /// The depth that was asked for, or the least that keeps what the source had, or the most that the format has.
 /// @throws UsageError where the format does not hold what was asked for.
@@ -34,11 +44,5 @@ Depth choose_depth(const FileFormat& format, const WriteOptions& options);
 
 /// @throws UsageError where other programs would take the values for linear, or the file cannot name the primaries.
 void check_space(const std::string& path, const FileFormat& format, Depth depth, const WriteOptions& options);
-
-/// @throws UsageError where the format, the file name or the projection has no such layout.
-Layout choose_layout(const std::string& path, const FileFormat& format, const WriteOptions& options, Projection p);
-
-/// @throws UsageError where there is no such compression, or the format has none.
-void check_compression(const std::string& path, const FileFormat& format, const std::string& wanted);
 
 }  // namespace envmap
