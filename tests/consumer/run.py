@@ -63,7 +63,7 @@ example = re.search(r'^\.EX\n(.*?)^\.EE$', page, re.S | re.M)[1].replace('\\e', 
 # Those of docs/library.md, each the body of a function of one program.
 bodies = re.findall(r'^```cpp\n(.*?)^```$', (source / 'docs/library.md').read_text(), re.S | re.M)
 demand(len(bodies) == 11, f'docs/library.md has {len(bodies)} examples')
-includes = ('envmap/scenes.h', 'algorithm', 'filesystem', 'stop_token', 'string', 'thread', 'type_traits', 'vector')
+includes = ('envmap/scenes.h', 'algorithm', 'cmath', 'filesystem', 'stop_token', 'string', 'thread', 'type_traits', 'vector')
 (work / 'pages.cpp').write_text(
     ''.join(f'#include <{name}>\n' for name in includes) + 'using namespace envmap;\n' +
     ''.join(f'static int page_{number}() {{\n{body}return 0;\n}}\n' for number, body in enumerate(bodies)) +

@@ -52,6 +52,37 @@ TEST(Lookup, OfManyDirectionsIsThatOfEach) {
   EXPECT_NEAR(look({0, 3, 4}).y, 0.8, 0.01);  // (0.6 + 1) / 2.
 }
 
+TEST(Lookup, OfFloatsAndOnAnyThreadsIsTheSame) {
+  EnvironmentMap map = generate(Directions{}, {Projection::latlong, Forward::plus_x}, 64);
+  add_levels(map);
+  const EnvironmentLookup look(map);
+  std::vector<Vec3<float>> floats;
+  std::vector<Direction> doubles;
+  for (int k = 0; k < 5000; ++k) {
+    floats.emplace_back(std::sin(0.01F * float(k)), std::cos(0.7F * float(k)), std::sin(float(k) + 0.5F));
+    doubles.emplace_back(floats.back());
+  }
+  std::vector<Colour> one(floats.size()), many(floats.size()), of_doubles(floats.size());
+  look(floats, one, 1.3, {.threads = 1});
+  look(floats, many, 1.3, {.threads = 4});
+  look(doubles, of_doubles, 1.3);
+  EXPECT_EQ(one, many);
+  EXPECT_EQ(one, of_doubles);
+  EXPECT_THROW(look(floats, std::span(one).first(3)), UsageError);
+}
+
+TEST(Lookup, FindsTheLevelOfARoughness) {
+  const std::vector<double> roughnesses{0.1, 0.2, 0.6};
+  const EnvironmentLookup look(powers(Projection::cube, 3), roughnesses);
+  for (const auto& [roughness, level] :
+       {std::pair{0.0, 0.0}, {0.1, 0.0}, {0.15, 0.5}, {0.2, 1.0}, {0.3, 1.25}, {0.6, 2.0}, {1.0, 2.0}})
+    EXPECT_NEAR(look.level_at(roughness), level, 1e-12) << roughness;
+  EXPECT_EQ(look.level_at(std::nan("")), 0);
+  EXPECT_THROW((void)EnvironmentLookup(powers(Projection::cube, 3)).level_at(0.2), UsageError);
+  EXPECT_THROW(EnvironmentLookup(powers(Projection::cube, 3), {0.1, 0.2}), UsageError);
+  EXPECT_THROW(EnvironmentLookup(powers(Projection::cube, 3), {0.1, 0.1, 0.2}), UsageError);
+}
+
 TEST(Lookup, RefusesWhatIsNoMap) {
   EXPECT_THROW(EnvironmentLookup{EnvironmentMap()}, UsageError);
   EnvironmentMap mixed = generate(Constant{}, Projection::cube, 8);

@@ -59,11 +59,11 @@ auto carry_out(const Run& run, const Work& work) {
   const SteadyProgress steady(run);
   using Made = decltype(work(steady.callback()));
   if constexpr (std::is_void_v<Made>) {
-    with_threads(run.threads, [&] { work(steady.callback()); });
+    with_threads(run.threads, [&] { with_stop(run.stop, [&] { work(steady.callback()); }); });
     steady.finish();
   } else {
     std::optional<Made> made;
-    with_threads(run.threads, [&] { made.emplace(work(steady.callback())); });
+    with_threads(run.threads, [&] { with_stop(run.stop, [&] { made.emplace(work(steady.callback())); }); });
     steady.finish();
     return std::move(*made);
   }

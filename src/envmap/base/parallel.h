@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <stop_token>
 #include <vector>
 
 #include "envmap/base/run.h"
@@ -39,6 +40,10 @@ std::vector<Result> map_level(L& level, F&& f) {
 
 /// Calls work() with so many threads. @param threads 0: as many as the caller has.
 void with_threads(int threads, const std::function<void()>& work);
+
+/// Calls work(). Once a stop is requested, the loops in it begin no further step. @throws Cancelled where work() was
+/// left unfinished by that.
+void with_stop(const std::stop_token& stop, const std::function<void()>& work);
 
 /// Calls work(), for which a lock may be held: this thread takes no task from outside while it waits.
 void isolated(const std::function<void()>& work);

@@ -226,8 +226,10 @@ bool keeps_texels(const EnvironmentMap& source, const ConvertOptions& options) {
   return copies_texels(target, source.base());
 }
 
-Resampler::Resampler(EnvironmentMap&& source, const ConvertOptions& options)
-    : prepared_(std::make_shared<const Prepared>(std::move(source), options)) {}
+Resampler::Resampler(EnvironmentMap&& source, const ConvertOptions& options, const Run& run)
+    : prepared_(carry_out(run, [&](const Progress&) {
+        return std::make_shared<const Prepared>(std::move(source), options);
+      })) {}
 
 const Frame& Resampler::frame() const { return prepared_->frame; }
 int Resampler::size() const { return prepared_->target.size; }

@@ -63,10 +63,12 @@ class Resampler {
  public:
   /// Copies the source's texels.
   /// @throws UsageError where a field is out of its range (bounds.h) or `ball` is set for another map than a sphere
-  /// map, InputError where a texel is NaN or infinite.
-  Resampler(const EnvironmentMap& source, const ConvertOptions& options) : Resampler(source.clone(), options) {}
+  /// map, InputError where a texel is NaN or infinite. @param run of what is prepared: levels, and the choice of a
+  /// filter.
+  Resampler(const EnvironmentMap& source, const ConvertOptions& options, const Run& run = {})
+      : Resampler(source.clone(), options, run) {}
   /// Moves the source's texels instead of copying them.
-  Resampler(EnvironmentMap&& source, const ConvertOptions& options);
+  Resampler(EnvironmentMap&& source, const ConvertOptions& options, const Run& run = {});
 
   [[nodiscard]] const Frame& frame() const;
   [[nodiscard]] int size() const;

@@ -5,6 +5,7 @@
 #include <numeric>
 #include <vector>
 
+#include "envmap/base/carry_out.h"
 #include "envmap/base/error.h"
 #include "envmap/base/parallel.h"
 #include "envmap/maths/check_direction.h"
@@ -93,17 +94,20 @@ void apply(const Grade& grade, Level& level) {
   });
 }
 
-void add_light(EnvironmentMap& map, const EnvironmentMap& other, double gain) {
+void add_light(EnvironmentMap& map, const EnvironmentMap& other, double gain, const Run& run) {
   require_finite(map);
-  const Rows more = Resampler(other, {.to = map.frame(), .size = map.base().height(), .gain = gain}).rows();
-  Level& level = map.base();
-  if (more.width() != level.width()) throw UsageError("the map to add to must have the proportions of its projection");
-  for_each_row(level.faces(), level.height(), {}, [&](int face, int row) {
-    std::vector<Colour> added(std::size_t(level.width()));
-    more.fill(face, row, added);
-    const std::span<Colour> out = level.row(face, row);
-    for (std::size_t i = 0; i < added.size(); ++i) out[i] += added[i];
-    level.trim();
+  carry_out(run, [&](const Progress& progress) {
+    const Rows more = Resampler(other, {.to = map.frame(), .size = map.base().height(), .gain = gain}).rows();
+    Level& level = map.base();
+    if (more.width() != level.width())
+      throw UsageError("the map to add to must have the proportions of its projection");
+    for_each_row(level.faces(), level.height(), progress, [&](int face, int row) {
+      std::vector<Colour> added(std::size_t(level.width()));
+      more.fill(face, row, added);
+      const std::span<Colour> out = level.row(face, row);
+      for (std::size_t i = 0; i < added.size(); ++i) out[i] += added[i];
+      level.trim();
+    });
   });
 }
 

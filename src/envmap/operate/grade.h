@@ -24,7 +24,7 @@ void apply(const Grade& grade, Level& level);
 
 /// Adds the light of a second environment to level 0, resampled to its texels by the filter that convert() chooses.
 /// @throws InputError where a texel of either is NaN or infinite.
-void add_light(EnvironmentMap& map, const EnvironmentMap& other, double gain = 1);
+void add_light(EnvironmentMap& map, const EnvironmentMap& other, double gain = 1, const Run& run = {});
 
 /// Colours with a negative channel, which a wider space brought, are moved to grey of their luminance until none is;
 /// what has no luminance becomes 0. @return how many texels had one below -1e-3 of their largest channel:

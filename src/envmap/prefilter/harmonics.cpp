@@ -213,24 +213,26 @@ Flux evaluate(const Harmonics& h, const Direction& d) {
   return sum;
 }
 
-EnvironmentMap evaluate(const Harmonics& h, Projection to, int size, Forward forward) {
+EnvironmentMap evaluate(const Harmonics& h, Projection to, int size, Forward forward, const Run& run) {
   check_series(h);
   check_range(limits::size, size);
-  EnvironmentMap map = blank_map({to, forward}, size);
-  Level& level = map.base();
-  const Recursion recursion(h.order);
-  const Rotation to_world = image_to_world(map.forward);
-  for_each_row(level.faces(), size, {}, [&](int face, int row) {
-    const Columns in = columns(to, size, row);
-    std::vector<Direction> d(in.count());
-    texel_directions(to, size, face, row, in.first, d);
-    for (std::size_t k = 0; k < d.size(); ++k) {
-      Flux sum(0);
-      recursion.each(to_world * d[k], [&](int n, double y) { sum += y * h.coefficients[std::size_t(n)]; });
-      *level.texel(face, in.first + int(k), row) = Colour(glm::max(sum, Flux(0)));
-    }
+  return carry_out(run, [&](const Progress& progress) {
+    EnvironmentMap map = blank_map({to, forward}, size);
+    Level& level = map.base();
+    const Recursion recursion(h.order);
+    const Rotation to_world = image_to_world(map.forward);
+    for_each_row(level.faces(), size, progress, [&](int face, int row) {
+      const Columns in = columns(to, size, row);
+      std::vector<Direction> d(in.count());
+      texel_directions(to, size, face, row, in.first, d);
+      for (std::size_t k = 0; k < d.size(); ++k) {
+        Flux sum(0);
+        recursion.each(to_world * d[k], [&](int n, double y) { sum += y * h.coefficients[std::size_t(n)]; });
+        *level.texel(face, in.first + int(k), row) = Colour(glm::max(sum, Flux(0)));
+      }
+    });
+    return map;
   });
-  return map;
 }
 
 std::vector<double> zonal(const Lobe& lobe, int order) {

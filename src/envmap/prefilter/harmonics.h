@@ -37,7 +37,7 @@ Harmonics project(const EnvironmentMap& map, int order, const Run& run = {});
 Flux evaluate(const Harmonics& h, const Direction& d);
 
 /// The series as a map; what is below 0 in it, between the rings of bright lights, is cut to 0. @return the map.
-EnvironmentMap evaluate(const Harmonics& h, Projection to, int size, Forward forward);
+EnvironmentMap evaluate(const Harmonics& h, Projection to, int size, Forward forward, const Run& run = {});
 
 /// What convolution with a lobe multiplies degree l with: the integral of lobe x P_l over the sphere; 1 for l = 0
 /// (Funk and Hecke's theorem).

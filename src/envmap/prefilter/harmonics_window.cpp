@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "envmap/base/bounds.h"
+#include "envmap/base/carry_out.h"
 #include "envmap/base/parallel.h"
 #include "envmap/maths/portable.h"
 
@@ -146,6 +147,24 @@ class Irradiance {
   std::vector<Flux> parts_;  // By point and degree.
 };
 
+Deringing least_window(const Harmonics& radiance, const Progress& progress) {
+  const Irradiance irradiance(radiance);
+  const auto negative = [&](double lambda) {
+    if (progress) progress(0);  // Which ends it where a stop is requested.
+    return irradiance.negative(laplacian_window(radiance.order, lambda));
+  };
+  if (!negative(0)) return {};
+  // Degree 0 alone, which is all that is left in the end, is not below 0.
+  double low = 0, high = 1e-6;
+  while (negative(high) && high < 1e6) low = high, high *= 4;
+  while (high - low > 1e-6 * high) {
+    const double middle = 0.5 * (low + high);
+    (negative(middle) ? low : high) = middle;
+  }
+  const std::vector<double> window = laplacian_window(radiance.order, high);
+  return {high, irradiance.rms(window), irradiance.maximum(window)};
+}
+
 }  // namespace
 
 std::vector<double> hann_window(int order) {
@@ -166,20 +185,9 @@ std::vector<double> laplacian_window(int order, double lambda) {
   return factors;
 }
 
-Deringing weakest_window(const Harmonics& radiance) {
+Deringing weakest_window(const Harmonics& radiance, const Run& run) {
   check_range({"order", 0, max_deringed_order}, radiance.order);
-  const Irradiance irradiance(radiance);
-  const auto negative = [&](double lambda) { return irradiance.negative(laplacian_window(radiance.order, lambda)); };
-  if (!negative(0)) return {};
-  // Degree 0 alone, which is all that is left in the end, is not below 0.
-  double low = 0, high = 1e-6;
-  while (negative(high) && high < 1e6) low = high, high *= 4;
-  while (high - low > 1e-6 * high) {
-    const double middle = 0.5 * (low + high);
-    (negative(middle) ? low : high) = middle;
-  }
-  const std::vector<double> window = laplacian_window(radiance.order, high);
-  return {high, irradiance.rms(window), irradiance.maximum(window)};
+  return carry_out(run, [&](const Progress& progress) { return least_window(radiance, progress); });
 }
 
 }  // namespace envmap

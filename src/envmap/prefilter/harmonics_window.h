@@ -30,6 +30,6 @@ inline constexpr int max_deringed_order = 20;
 /// The least lambda, to 1e-6 of it, of which no channel's irradiance is below 0 anywhere. Its lowest value is looked
 /// for on a grid of sixteen points a period of the highest degree and, from those that may be near it, by descent.
 /// @param radiance coefficients, not multiplied by irradiance_factors() yet.
-Deringing weakest_window(const Harmonics& radiance);
+Deringing weakest_window(const Harmonics& radiance, const Run& run = {});
 
 }  // namespace envmap

@@ -101,6 +101,14 @@ Method make_fast(PreparedSource& from, const Prefilter& wanted, const Lobe& lobe
   return how.method;
 }
 
+// The turn of this thread. One that is asked to stop while others take theirs ends at once.
+std::unique_lock<std::timed_mutex> wait_for_turn(std::timed_mutex& in_use, const Progress& progress) {
+  std::unique_lock turn(in_use, std::defer_lock);
+  while (!turn.try_lock_for(std::chrono::milliseconds(20)))
+    if (progress) progress(0);
+  return turn;
+}
+
 // Texels that are not known well enough are summed exactly.
 void make_lobe(PreparedSource& from, const Prefilter& wanted, const Target& target, const Progress& progress,
                Prefiltered& done) {
@@ -181,11 +189,17 @@ Lobe lobe_of(const Prefilter& p) {
   return lobe;
 }
 
-PrefilterSource::PrefilterSource(const EnvironmentMap& map)
-    : prepared_(std::make_unique<PreparedSource>(std::nullopt, &map)) {}
-PrefilterSource::PrefilterSource(EnvironmentMap&& map)
-    : prepared_(std::make_unique<PreparedSource>(std::move(map), nullptr)) {}
+PrefilterSource::PrefilterSource(const EnvironmentMap& map, const Run& run)
+    : prepared_(carry_out(run, [&](const Progress& progress) {
+        return std::make_unique<PreparedSource>(std::nullopt, &map, progress);
+      })) {}
+PrefilterSource::PrefilterSource(EnvironmentMap&& map, const Run& run)
+    : prepared_(carry_out(run, [&](const Progress& progress) {
+        return std::make_unique<PreparedSource>(std::move(map), nullptr, progress);
+      })) {}
 PrefilterSource::~PrefilterSource() = default;
+PrefilterSource::PrefilterSource(PrefilterSource&&) noexcept = default;
+PrefilterSource& PrefilterSource::operator=(PrefilterSource&&) noexcept = default;
 
 const EnvironmentMap& PrefilterSource::source() const { return prepared_->map; }
 
@@ -205,7 +219,7 @@ Prefiltered PrefilterSource::make_now(const Prefilter& wanted, const Progress& p
     make_mirror(from, wanted, done);
   } else {
     const Rotation turn = glm::transpose(image_to_world(from.forward)) * image_to_world(done.map.forward);
-    const std::lock_guard turn_of_this_thread(prepared_->in_use);
+    const auto turn_of_this_thread = wait_for_turn(prepared_->in_use, progress);
     // While the lock is held this thread takes no task of the caller's, which might want the lock again.
     isolated([&] { make_lobe(*prepared_, wanted, {wanted.to, wanted.size, turn}, progress, done); });
   }

@@ -105,13 +105,14 @@ class PrefilterSource {
  public:
   /// A map that is neither a cube nor latlong is prefiltered as the cube that convert() makes of it, by the area filter
   /// at its own density: its texels are samples of an image on a disc, which no rim should cut.
-  /// @param map must outlive it.
+  /// @param map must outlive it. @param run of the cube, where one is made.
   /// @throws InputError where a texel is NaN, infinite or negative: bounds of errors are of radiance.
-  explicit PrefilterSource(const EnvironmentMap& map);
+  explicit PrefilterSource(const EnvironmentMap& map, const Run& run = {});
   /// Takes the map over.
-  explicit PrefilterSource(EnvironmentMap&& map);
+  explicit PrefilterSource(EnvironmentMap&& map, const Run& run = {});
   ~PrefilterSource();
-  PrefilterSource(const PrefilterSource&) = delete;
+  PrefilterSource(PrefilterSource&&) noexcept;  ///< One that was moved from can only be assigned to.
+  PrefilterSource& operator=(PrefilterSource&&) noexcept;
 
   /// What is prefiltered, radiance constant over each texel, and what errors are counted from: the map or its cube.
   [[nodiscard]] const EnvironmentMap& source() const;

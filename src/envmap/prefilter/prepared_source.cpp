@@ -7,9 +7,10 @@
 
 namespace envmap::prefiltering {
 
-PreparedSource::PreparedSource(std::optional<EnvironmentMap>&& given, const EnvironmentMap* lent)
+PreparedSource::PreparedSource(std::optional<EnvironmentMap>&& given, const EnvironmentMap* lent,
+                               const Progress& progress)
     : taken_(std::move(given)),
-      cube_(source_cube(require_radiance(taken_ ? *taken_ : *lent))),
+      cube_(source_cube(require_radiance(taken_ ? *taken_ : *lent), progress)),
       map(cube_    ? *cube_
           : taken_ ? *taken_
                    : *lent),

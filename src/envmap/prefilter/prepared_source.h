@@ -19,10 +19,10 @@ class PreparedSource {
  public:
   const EnvironmentMap& map;  ///< A cube or latlong map: of another projection, the cube of it.
   const Totals light;
-  std::mutex in_use;  ///< By the one map that is made.
+  std::timed_mutex in_use;  ///< By the one map that is made.
 
   /// @param given a map to keep; else `lent` must outlive this. @throws InputError where a texel is no radiance.
-  PreparedSource(std::optional<EnvironmentMap>&& given, const EnvironmentMap* lent);
+  PreparedSource(std::optional<EnvironmentMap>&& given, const EnvironmentMap* lent, const Progress& progress);
 
   [[nodiscard]] const Level& texels() const { return map.base(); }
   [[nodiscard]] const Tree& tree();

@@ -7,9 +7,9 @@
 
 namespace envmap::prefiltering {
 
-std::optional<EnvironmentMap> source_cube(const EnvironmentMap& map) {
+std::optional<EnvironmentMap> source_cube(const EnvironmentMap& map, const Progress& progress) {
   if (map.projection() == Projection::cube || map.projection() == Projection::latlong) return std::nullopt;
-  return convert(map, {.to = {Projection::cube}, .filter = Filter::area});
+  return convert(map, {.to = {Projection::cube}, .filter = Filter::area}, {.progress = progress});
 }
 
 std::optional<Level> refined(const Level& level, double texel) {

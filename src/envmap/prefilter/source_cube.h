@@ -11,7 +11,7 @@ namespace envmap::prefiltering {
 
 /// The cube that is prefiltered in the place of a map of another projection: what convert() makes of it by the area
 /// filter at its own density, matching_size(). Nothing for a cube and a latlong map, which are sources themselves.
-std::optional<EnvironmentMap> source_cube(const EnvironmentMap& map);
+std::optional<EnvironmentMap> source_cube(const EnvironmentMap& map, const Progress& progress = {});
 
 /// Of a map from pole to pole: of a cube those of two faces.
 inline int rows_between_poles(const Level& level) {

@@ -82,6 +82,11 @@ const PackedMap::Part& PackedMap::part(int level, int face) const {
   return parts.at(std::size_t(level * faces + face));
 }
 
+std::span<const std::byte> PackedMap::level(int level) const {
+  const Part &first = part(level, 0), &last = part(level, faces - 1);
+  return std::span(bytes).subspan(first.offset, last.offset + last.size - first.offset);
+}
+
 PackedMap pack(const EnvironmentMap& map, const PackOptions& options, const Run& run) {
   check_range({"row_alignment", 1, 4096}, options.row_alignment);
   check_enumerator("orientation", options.orientation);

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <iterator>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -54,6 +55,9 @@ struct PackedMap {
 
   /// @throws UsageError where there is no such level or face.
   [[nodiscard]] const Part& part(int level, int face) const;
+  /// The bytes of a level with all of its faces, which lie one after another: one copy of Vulkan or Direct3D.
+  /// @throws UsageError where there is no such level.
+  [[nodiscard]] std::span<const std::byte> level(int level) const;
 };
 
 /// @throws InputError where a texel is NaN or infinite, UsageError where a texel is negative and the format has no
