@@ -356,28 +356,6 @@ TEST_F(SameBytes, AtAnotherTime) {
   }
 }
 
-TEST_F(SameBytes, AtAnyNumberOfThreads) {
-  succeeds({"generate", "sun", "in.exr", "--size", "48", "--direction", "1,2,3", "--radius", "5"});
-  const std::vector<std::string> commands[] = {{"convert", "in.exr", "out.exr", "--to", "cube", "--filter", "bilinear"},
-                                               {"convert", "in.exr", "out.exr", "--to", "sphere", "--size", "150",
-                                                "--filter", "area"},
-                                               {"generate", "sun", "out.exr", "--size", "300"},
-                                               {"compare", "in.exr", "in.exr", "--difference", "out.exr"}};
-  for (std::vector<std::string> command : commands) {
-    SCOPED_TRACE(::testing::PrintToString(command));
-    command.insert(command.end(), {"--threads", "1"});
-    const auto run = [&](const char* threads) {
-      command.back() = threads;
-      const Result r = envmap(command);
-      EXPECT_EQ(r.status, 0) << r.err;
-      return std::pair(r.out, files());
-    };
-    const auto one = run("1");
-    EXPECT_TRUE(run("2") == one);
-    EXPECT_TRUE(run("7") == one);
-  }
-}
-
 // ---- where outputs appear -------------------------------------------------------------------------------------------
 
 class Places : public CommandTest {

@@ -90,26 +90,6 @@ TEST_F(Levels, KeepTheLightOfASunAtAPoleAndAtACorner) {
   }
 }
 
-TEST_F(Levels, AreTheSameBytesAtAnyNumberOfThreads) {
-  using Words = std::vector<std::string>;
-  for (const Words& to : {Words{"latlong", "a.exr"},
-                          {"cube", "a.ktx2"},
-                          {"cube", "a.ktx2", "--zstd"},
-                          {"paraboloid", "a.dds"},
-                          {"angular", "a.exr", "--weights", "uniform"}}) {
-    SCOPED_TRACE(to[0] + " " + to[1]);
-    succeeds({"generate", "sun", "in.exr", "--to", to[0], "--size", "150"});
-    std::string first;
-    for (const char* threads : {"1", "2", "7"}) {
-      Words arguments{"mipmap", "in.exr", "--threads", threads};
-      arguments.insert(arguments.end(), to.begin() + 1, to.end());
-      succeeds(arguments);
-      if (first.empty()) first = read(to[1]);
-      EXPECT_TRUE(read(to[1]) == first) << threads;
-    }
-  }
-}
-
 TEST_F(Levels, AreNoMoreThanTheSizeHas) {
   succeeds({"generate", "sky", "in.exr", "--size", "8"});
   const std::vector<std::string> roughnesses{"--lobe", "ggx", "--roughnesses", "0.5,0.6,0.7,0.8", "--size", "4", "-q"};
