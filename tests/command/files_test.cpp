@@ -449,32 +449,11 @@ TEST_F(Places, ALoopOfLinksIsNoPlace) {
   fails(4, {"convert", "in.exr", "a.exr"}, {"a.exr", "symbolic links"});
 }
 
-TEST_F(Places, AFullTemporaryFolderIsNamed) {
-  for (const char* format : {"exr", "hdr", "png", "ktx2"}) {
-    const Result r =
-        shell(std::string("ulimit -f 1; \"$ENVMAP\" generate sky - --size 256 --clamp --to cube --format ") + format);
-    EXPECT_EQ(r.status, 4);
-    EXPECT_NE(r.err.find("standard output: cannot be held in "), std::string::npos) << r.err;
-    EXPECT_NE(r.err.find("TMPDIR"), std::string::npos) << r.err;
-  }
-}
-
 TEST_F(Places, TheTemporaryFolderIsNamedWhereItIsMissing) {
   const Result r = shell("TMPDIR=/nonexistent \"$ENVMAP\" generate sky - --size 4");
   EXPECT_EQ(r.status, 4);
   EXPECT_NE(r.err.find("/nonexistent"), std::string::npos) << r.err;
   EXPECT_NE(r.err.find("TMPDIR"), std::string::npos) << r.err;
-}
-
-// A limit on files is like a full disk, not a signal; and nothing is left, neither of that nor of a kill.
-TEST_F(Places, NothingIsLeftOfWhatIsCutShort) {
-  const Result limited = shell("ulimit -f 1; \"$ENVMAP\" generate sky a.exr --size 256");
-  EXPECT_EQ(limited.status, 4) << limited.err;
-  // libjpeg ends the program itself there.
-  EXPECT_EQ(shell("ulimit -f 1; \"$ENVMAP\" generate directions a.jpg --size 256 2>/dev/null").status, 4);
-  for (const std::string signal : {"TERM", "QUIT", "INT", "KILL"})
-    (void)shell("timeout -s " + signal + " 0.3 \"$ENVMAP\" generate directions b.exr --size 2048 -q");
-  for (const std::string& name : names()) EXPECT_FALSE(name.starts_with('.')) << name;
 }
 
 // What is no image is refused at its first bytes, however much follows.

@@ -345,13 +345,5 @@ TEST(Atmosphere, TheDiscIsDarkerAtItsLimb) {
   EXPECT_LT(limb / mean, 0.8);
 }
 
-TEST(Atmosphere, RefusesWhatIsOutOfRange) {
-  EXPECT_THROW((void)generate(Atmosphere{.turbidity = 0.5}, Projection::cube, 4), UsageError);
-  EXPECT_THROW((void)generate(Atmosphere{.altitude = -1}, Projection::cube, 4), UsageError);
-  EXPECT_THROW((void)generate(Atmosphere{.ground = Rgb<double>(2)}, Projection::cube, 4), UsageError);
-  EXPECT_THROW((void)generate(Atmosphere{.radius_degrees = 0}, Projection::cube, 4), UsageError);
-  EXPECT_THROW((void)generate(Atmosphere{.sun = Direction(0)}, Projection::cube, 4), UsageError);
-}
-
 }  // namespace
 }  // namespace envmap::atmosphere_test
