@@ -1,11 +1,11 @@
 // What goes wrong ends with the right exit status and one line that names the file, and leaves nothing behind.
+#include <fmt/format.h>
+
 #include <cmath>
 #include <csignal>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <regex>
-
-#include <fmt/format.h>
 
 #include "picture.h"
 #include "run.h"
@@ -34,8 +34,7 @@ const Refusal refusals[] = {
     {"convert in.exr out.exr --siez 4", {"did you mean '--size'"}},
     {"compare in.exr in.exr --max-eror=1", {"'--max-eror'", "did you mean '--max-error'"}},
     {"convert in.exr out.exr --lobe ggx", {"'--lobe' is an option of 'envmap prefilter'"}},
-    {"convert in.exr out.exr --face three",
-     {"did you mean '--faces'? '--face' is an option of 'envmap preview'"}},
+    {"convert in.exr out.exr --face three", {"did you mean '--faces'? '--face' is an option of 'envmap preview'"}},
     {"batch --for three in.exr --size 8", {"'--size' is an option of jobs"}},
     {"convert in.exr out.exr --zzzzzzzz", {"--zzzzzzzz"}},
     // Arguments and values that are missing or too many.

@@ -175,21 +175,21 @@ std::vector<Call> of_the_rest() {
     calls.push_back({"atmosphere", [=] { (void)generate(Atmosphere{.ground = Rgb<double>(bad)}, Projection::cube, 4); },
                      "ground must"});
   for (const double bad : {-1.0, 1e39, nan})
-    calls.push_back({"constant", [=] { (void)generate(Constant{Rgb<double>(bad)}, Projection::cube, 4); }, "infinite radiance"});
+    calls.push_back(
+        {"constant", [=] { (void)generate(Constant{Rgb<double>(bad)}, Projection::cube, 4); }, "infinite radiance"});
   calls.push_back({"harmonic", [] { (void)generate(Harmonic{.degree = 2, .base = 0}, Projection::cube, 4); },
                    "negative or infinite radiance"});
   calls.push_back({"photograph", [] { (void)photograph(sky().clone(), {.filter = Filter::area}); }, "filter"});
   calls.push_back({"photograph",
-                   [] {
-                     (void)photograph(sky().clone(), {.lens = CameraModel::fisheye, .field_radians = 7});
-                   },
+                   [] { (void)photograph(sky().clone(), {.lens = CameraModel::fisheye, .field_radians = 7}); },
                    "field_radians must be"});
-  calls.push_back({"photograph",
-                   [] {
-                     (void)photograph(sky().clone(), {.lens = CameraModel::cylinder, .field_radians = pi / 2,
-                                                      .width = 2000, .height = 480});
-                   },
-                   "width"});
+  calls.push_back(
+      {"photograph",
+       [] {
+         (void)photograph(sky().clone(),
+                          {.lens = CameraModel::cylinder, .field_radians = pi / 2, .width = 2000, .height = 480});
+       },
+       "width"});
   add(calls, "sun", "radius_degrees", std::vector{0.0, -1.0, nan, 181.0},
       [](double v) { (void)generate(Sun{.radius_degrees = v}, Projection::cube, 4); });
   add(calls, "harmonic", "degree", std::vector{-1, 101},

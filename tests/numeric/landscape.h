@@ -7,7 +7,7 @@
 #include "envmap/map/environment_map.h"
 #include "envmap/projection/projection.h"
 
-namespace envmap {
+namespace envmap::numeric_tests {
 
 inline EnvironmentMap landscape(Projection projection, int size, float sun = 2000) {
   EnvironmentMap map;
@@ -23,4 +23,4 @@ inline EnvironmentMap landscape(Projection projection, int size, float sun = 200
   return map;
 }
 
-}  // namespace envmap
+}  // namespace envmap::numeric_tests

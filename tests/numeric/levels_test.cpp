@@ -5,10 +5,10 @@
 
 #include <cmath>
 
-#include "envmap/sample/padded_level.h"
 #include "envmap/operate/generate.h"
 #include "envmap/operate/measure.h"
 #include "envmap/projection/visit.h"
+#include "envmap/sample/padded_level.h"
 
 namespace envmap::levels_test {
 namespace {

@@ -13,6 +13,7 @@
 #include "envmap/prefilter/exact/exact.h"
 #include "envmap/prefilter/source_cube.h"
 #include "formulae.h"
+#include "numeric/landscape.h"
 
 namespace envmap {
 
@@ -20,6 +21,8 @@ using prefiltering::exact_prefilter;
 
 namespace prefilter_test {
 namespace {
+
+using numeric_tests::landscape;
 
 // ---- the definitions once more --------------------------------------------------------------------------------------
 

@@ -1,5 +1,5 @@
-// The same bytes for any number of threads and, of what has kernels of its own, for every instruction set: a row for each
-// operation of the library. What the program writes: tests/same_bytes.py; rows of the ray caster: its commands there.
+// The same bytes for any number of threads and, of what has kernels of its own, for every instruction set: a row for
+// each operation of the library. What the program writes, and the ray caster by its commands: tests/same_bytes.py.
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
@@ -76,17 +76,16 @@ TEST_P(EachProjection, OfLevelsAndConversions) {
   for (const Projection to : all_projections)
     for (const Filter filter :
          {Filter::bilinear, Filter::bicubic, Filter::trilinear, Filter::sat, Filter::ewa, Filter::area})
-      jobs.push_back({std::string(name(filter)) + " to " + name(to),
-                      [&source, to, filter] {
-                        return bytes_of(convert(source, {.to = to, .size = 20, .filter = filter}));
-                      },
-                      false});
+      jobs.push_back(
+          {std::string(name(filter)) + " to " + name(to),
+           [&source, to, filter] { return bytes_of(convert(source, {.to = to, .size = 20, .filter = filter})); },
+           false});
   for (const Job& job : jobs) expect_same(job);
 }
 
 // The source is large enough for blocks of two by two texels.
 TEST(SameBytes, OfPrefilteredMapsAndTables) {
-  const EnvironmentMap source = landscape(Projection::cube, 160);
+  const EnvironmentMap source = numeric_tests::landscape(Projection::cube, 160);
   const auto prefiltered = [&source](const Prefilter& p) {
     return Job{std::string(shape_names[std::size_t(p.shape)]) + " " + std::string(method_names[std::size_t(p.method)]),
                [&source, p] { return bytes_of(PrefilterSource(source).make(p).map); }};
@@ -94,12 +93,12 @@ TEST(SameBytes, OfPrefilteredMapsAndTables) {
   const Prefilter phong{.shape = Shape::phong, .parameter = 60, .size = 12};
   Prefilter tree = phong, exact = phong;
   tree.method = Method::treecode, exact.method = Method::exact, exact.size = 2;
-  for (const Job& job : {prefiltered({.shape = Shape::diffuse, .size = 12}), prefiltered(phong), prefiltered(tree),
-                         prefiltered(exact), prefiltered({.shape = Shape::ggx, .parameter = 0.35, .size = 12}),
-                         Job{"table of ggx", [] { return bytes_of(brdf_table(13)); }},
-                         Job{"table of charlie", [] { return bytes_of(sheen_table(13)); }},
-                         Job{"sky with air", [] { return bytes_of(generate(Atmosphere{}, Projection::cube, 16).map); },
-                             false}})
+  for (const Job& job :
+       {prefiltered({.shape = Shape::diffuse, .size = 12}), prefiltered(phong), prefiltered(tree), prefiltered(exact),
+        prefiltered({.shape = Shape::ggx, .parameter = 0.35, .size = 12}),
+        Job{"table of ggx", [] { return bytes_of(brdf_table(13)); }},
+        Job{"table of charlie", [] { return bytes_of(sheen_table(13)); }},
+        Job{"sky with air", [] { return bytes_of(generate(Atmosphere{}, Projection::cube, 16).map); }, false}})
     expect_same(job);
 }
 
