@@ -1,10 +1,13 @@
-"""Commands that write onto a disk that is full, or becomes full just before the end: a tmpfs, mounted where nothing else sees it.
+"""Commands that write onto a disk that is full, or becomes full just before the end: a tmpfs, mounted where nothing else sees it;
+and under a limit on the size of files, which is like a full disk and no signal, with files without a name and without (O_TMPFILE).
 Each ends with 4 and one line that names the file; what was there is as it was, and nothing else is.
 
-  full_disk.py ENVMAP          ends with 77 where no tmpfs can be mounted
+  full_disk.py ENVMAP [NO_TMPFILE]    a library to preload (no_tmpfile.cpp); ends with 77 where no tmpfs can be mounted
 """
 import os
 import pathlib
+import resource
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -19,6 +22,9 @@ COMMANDS = [
     ('convert map.exr {to}/a.ktx2 --to cube --depth half', ['a.ktx2']),
     ('convert map.exr {to}/a.dds --to cube --depth half --if-changed', ['a.dds']),
     ('convert map.exr {to}/a.png', ['a.png']),
+    ('convert map.exr {to}/a.jpg --clamp', ['a.jpg']),
+    ('convert map.exr {to}/a.tif', ['a.tif']),
+    ('convert map.exr {to}/a.pfm', ['a.pfm']),
     ('prefilter map.exr {to}/a.env --for babylon-env --size 16 --max-error 0.1', ['a.env']),
     ('convert map.exr {to}/a_{{face}}.exr --to cube', ['a_px.exr', 'a_nx.exr', 'a_py.exr', 'a_ny.exr', 'a_pz.exr', 'a_nz.exr']),
     ('convert map.exr {to}/a.exr --depfile {to}/a.d', ['a.exr', 'a.d']),
@@ -33,6 +39,7 @@ COMMANDS = [
     ('merge part1.exr part2.exr {to}/a.exr', ['a.exr']),
     ('compare map.exr map.exr --difference {to}/a.exr', ['a.exr']),
     ('sh map.exr --evaluate {to}/a.exr', ['a.exr']),
+    ('preview map.exr {to}/a.png', ['a.png']),
     ('preview map.exr --html {to}/a.html', ['a.html']),
     ('tradeoff map.exr --task mipmap:1 --budget 0 --plot {to}/a.svg', ['a.svg']),
     ('render scene.obj {to}/a.exr --method raycast --ambient 1 --size 32 --depfile {to}/a.d', ['a.exr', 'a.d']),
@@ -40,8 +47,16 @@ COMMANDS = [
 ]
 
 
-def run(command, **surroundings):
-    return subprocess.run([sys.argv[1], *command.split(), '--quiet'], capture_output=True, text=True, env=dict(os.environ, **surroundings))
+# What is a file of TMPDIR until it is whole: that which goes to a pipe, in any format.
+STREAMS = ['convert map.exr -', 'convert map.exr - --format hdr', 'convert map.exr - --format png --clamp', 'convert map.exr - --to cube --format ktx2']
+
+
+def no_bytes():
+    resource.setrlimit(resource.RLIMIT_FSIZE, (0, resource.getrlimit(resource.RLIMIT_FSIZE)[1]))
+
+
+def run(command, limit=None, **surroundings):
+    return subprocess.run([sys.argv[1], *command.split(), '--quiet'], capture_output=True, text=True, errors='replace', env=dict(os.environ, **surroundings), preexec_fn=limit)
 
 
 def contents(folder):
@@ -63,11 +78,13 @@ def fill(disk, free):
         os.posix_fallocate(file.fileno(), 0, (there.f_bavail - free) * there.f_frsize)
 
 
-def check(command, disk, names, free, **surroundings):
-    fill(disk, free)
+def check(command, disk, names, free=None, **how):
+    """@param free pages; None: the disk is not filled."""
+    if free is not None:
+        fill(disk, free)
     before = contents(disk)
-    done = run(command, **surroundings)
-    where = f'envmap {command}, with {free} pages free'
+    done = run(command, **how)
+    where = f'envmap {command}, with {free} pages free, {how}'
     assert done.returncode == 4, (where, done.returncode, done.stderr)
     assert done.stderr.count('\n') == 1 and done.stderr.startswith(f'envmap {command.split()[0]}: '), (where, done.stderr)
     assert any(name in done.stderr for name in names) and '.folder.' not in done.stderr, (where, done.stderr)
@@ -90,6 +107,22 @@ def fails_whole(command, names):
     check(there, 'disk', names, needed - 1)
     for path in old:
         path.unlink()
+
+
+def keeps_to_a_limit():
+    """No file may have a byte: with and without files of these names there, with and without O_TMPFILE."""
+    for preload in ('', *sys.argv[2:]):
+        how = {'limit': no_bytes, 'LD_PRELOAD': preload}
+        for command, names in COMMANDS:
+            os.mkdir('limited')
+            check(command.format(to='limited'), 'limited', names, **how)
+            for name in names:
+                if name != 'folder':
+                    pathlib.Path('limited', name).write_text('old')
+            check(command.format(to='limited'), 'limited', names, **how)
+            shutil.rmtree('limited')
+        for command in STREAMS:
+            check(command, '.', ['standard output: cannot be held in '], **how)
 
 
 def keeps_whole_maps():
@@ -140,20 +173,27 @@ def names_tmpdir():
     """What goes to a pipe is a file of TMPDIR until it is whole; maps beyond --max-memory are one, too."""
     temporary = {'TMPDIR': os.path.abspath('disk')}
     run('generate constant large.exr --to latlong --size 1300 --depth half')
-    for command in ('convert map.exr -', 'convert large.exr out.exr --to cube --max-memory 64M', 'tradeoff map.exr --task depth --budget 0'):
+    for command in (*STREAMS, 'convert large.exr out.exr --to cube --max-memory 64M', 'tradeoff map.exr --task depth --budget 0'):
         check(command, 'disk', ['TMPDIR', 'disk'], 0, **temporary)
     assert not os.path.exists('out.exr')
 
 
-def main():
-    os.mkdir('disk')
-    if subprocess.run(['mount', '-t', 'tmpfs', '-o', f'size={SIZE}', 'envmap', 'disk'], stderr=subprocess.DEVNULL).returncode != 0:
-        sys.exit(77)
+def prepare():
     run('generate sky map.exr --size 32 --to latlong')
     for part in (1, 2):
         run(f'convert map.exr part{part}.exr --shard {part}/2 --to cube')
     pathlib.Path('scene.obj').write_text('v 0 0 -1\nv 1 0 -1\nv 0 1 -1\nf 1 2 3\n')
     pathlib.Path('jobs.txt').write_text('convert map.exr out.exr\n')
+
+
+def main(mounted):
+    prepare()
+    keeps_to_a_limit()
+    if not mounted:
+        sys.exit(77)
+    os.mkdir('disk')
+    if subprocess.run(['mount', '-t', 'tmpfs', '-o', f'size={SIZE}', 'envmap', 'disk'], stderr=subprocess.DEVNULL).returncode != 0:
+        sys.exit(77)
     for command, names in COMMANDS:
         fails_whole(command, names)
     keeps_whole_maps()
@@ -165,9 +205,9 @@ def main():
 if 'INSIDE' not in os.environ:
     # In a name space of its own, as root there: nothing outside sees the mount, and it is gone with the last process.
     with tempfile.TemporaryDirectory() as folder:
-        program = os.path.abspath(sys.argv[1])
+        arguments = [os.path.abspath(p) for p in sys.argv[1:]]
         inside = ['unshare', '--user', '--map-root-user', '--mount']
-        if subprocess.run([*inside, 'true'], stderr=subprocess.DEVNULL).returncode != 0:
-            sys.exit(77)
-        sys.exit(subprocess.run([*inside, sys.executable, os.path.abspath(__file__), program], cwd=folder, env=dict(os.environ, INSIDE='1')).returncode)
-main()
+        mounted = subprocess.run([*inside, 'true'], stderr=subprocess.DEVNULL).returncode == 0
+        sys.exit(subprocess.run([*(inside if mounted else []), sys.executable, os.path.abspath(__file__), *arguments], cwd=folder,
+                                env=dict(os.environ, INSIDE=str(int(mounted)))).returncode)
+main(os.environ['INSIDE'] == '1')

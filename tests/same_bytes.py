@@ -1,11 +1,14 @@
 #!/usr/bin/env python3
-"""The same command gives the same bytes on every processor and at every place: runs commands as they are, with newer
-instructions hidden from the C library, from Highway and from both, with one thread, and in another folder under another user
-(where the test is run by root), time zone, locale and umask, and compares what they write. Caches of results may rely on it.
+"""The same command gives the same bytes on every processor, with any number of threads and at every place: runs commands as they
+are, with newer instructions hidden from the C library, from Highway and from both, with 1, 2, 3 and 7 threads, and in another folder
+under another user (where the test is run by root), time zone, locale and umask, and compares what they write. Caches of results may
+rely on it. The library's own functions: tests/numeric/same_bytes_test.cpp.
 
   same_bytes.py ENVMAP PROBE     PROBE prints results of the C library, which must differ where it is misled at all
 """
+import ctypes
 import hashlib
+import math
 import os
 import pathlib
 import shutil
@@ -19,15 +22,17 @@ PUBLIC = tempfile.TemporaryDirectory()
 os.chmod(PUBLIC.name, 0o755)
 shutil.copy(pathlib.Path(ENVMAP).with_name('envmap-formats.so'), PUBLIC.name)
 ENVMAP = shutil.copy(ENVMAP, PUBLIC.name)
+SCENE = pathlib.Path(PUBLIC.name, 'scene.obj')
 
 # What glibc (2.33 and later) is told not to use, and what Highway is.
 HIDE_FROM_LIBC = {'GLIBC_TUNABLES': 'glibc.cpu.hwcaps=-AVX,-AVX2,-FMA,-FMA4,-AVX512F,-AVX512VL,-BMI2,-SSE4_1'}
+THREADS = '--threads'
 SETTINGS = {
     'as it is': {},
-    'AVX2, FMA and AVX512 hidden from the C library': HIDE_FROM_LIBC,
-    "Highway's targets capped": {'ENVMAP_BASELINE': '1'},
-    'both': HIDE_FROM_LIBC | {'ENVMAP_BASELINE': '1'},
-    'elsewhere': {'TZ': 'Pacific/Kiritimati', 'LC_ALL': 'de_DE.UTF-8', 'LANG': 'de_DE.UTF-8', 'USER': 'other', 'HOME': '/nowhere'},
+    'AVX2, FMA and AVX512 hidden from the C library, 7 threads': HIDE_FROM_LIBC | {THREADS: '7'},
+    "Highway's targets capped, 1 thread": {'ENVMAP_BASELINE': '1', THREADS: '1'},
+    'both, 2 threads': HIDE_FROM_LIBC | {'ENVMAP_BASELINE': '1', THREADS: '2'},
+    'elsewhere, 3 threads': {THREADS: '3', 'TZ': 'Pacific/Kiritimati', 'LC_ALL': 'de_DE.UTF-8', 'LANG': 'de_DE.UTF-8', 'USER': 'other', 'HOME': '/nowhere'},
 }
 
 PROJECTIONS = 'latlong cube sphere paraboloid angular octahedral equal-area'.split()
@@ -65,7 +70,47 @@ COMMANDS = [
     'sh sun.exr --order 6 --irradiance --window auto --evaluate sh-map.exr --to latlong --size 24',
     'info sun.exr --json', 'info angular.exr', 'compare sphere.exr sun.exr --json --difference difference.exr',
     'preview sun.exr cube.exr preview.png',
+    # Large enough that threads share the work.
+    'generate sun large.exr --to latlong --size 300 --direction 1,2,3 --radius 5',
+    *(f'convert large.exr large-{f}.exr --to sphere --size 150 --filter {f}' for f in ('bilinear', 'area')),
+    'mipmap large.exr large-chain.exr', 'mipmap large-area.exr large-uniform.exr --weights uniform',
+    *(f'convert large.exr large-{p}.exr --to {p} --size 150' for p in ('cube', 'paraboloid')),
+    'mipmap large-cube.exr large.ktx2', 'mipmap large-cube.exr large-zstd.ktx2 --zstd', 'mipmap large-paraboloid.exr large.dds',
+    'prefilter large.exr large-ggx.exr --lobe ggx --roughness 0.3 --size 16 -q',
+    'generate atmosphere day.exr --size 12', 'compare large.exr large.exr --difference same.exr',
+    'bake sun.exr baked --for pbrt -q',
+    'render scene.obj cast.exr --method raycast --ambient 1 --to paraboloid --size 200 -q',
+    'view scene.obj cast.png --method raycast --ambient 1 --camera 0,0,3 --width 64 --height 48 -q',
 ]
+# OpenGL by the processor: the same bytes for any number of threads of envmap and of Mesa, on one machine.
+DRAWN = [f'render scene.obj {{}}.exr --ambient 1 --size 64 --to {to}' for to in ('cube', 'sphere')] + [
+    'view scene.obj {}.png --ambient 1 --camera 0,0,3 --width 64 --height 48 --mirror ball']
+DRAWN_SETTINGS = [{}, {'LP_NUM_THREADS': '1'}, {'LP_NUM_THREADS': '2', THREADS: '1'}]
+
+
+def write_scene():
+    """Many triangles that touch and cut each other, and a tetrahedron in their midst."""
+    corners, faces = [], []
+    for k in range(300):
+        a, r = 2.4 * k, 0.05 * k ** 0.5
+        x, y, s, c = r * math.cos(a), r * math.sin(a), 0.2 * math.sin(0.1 * k), 0.2 * math.cos(0.1 * k)
+        corners += [(x + c, y + s, -1), (x - s, y + c, -1), (x - c, y - s, -1 - 0.001 * (k % 7))]
+        faces.append((3 * k + 1, 3 * k + 2, 3 * k + 3))
+    tetrahedron = [(1, 1, 1), (-1, -1, 1), (-1, 1, -1), (1, -1, -1)]
+    text = [f'v {x:.6f} {y:.6f} {z:.6f}' for x, y, z in corners] + ['g many'] + ['f %d %d %d' % f for f in faces]
+    text += [f'v {0.4 * x} {0.4 * y} {0.4 * z}' for x, y, z in tetrahedron] + ['g ball']
+    text += [f'f {901 + a} {901 + b} {901 + c}' for a, b, c in ((0, 1, 2), (0, 3, 1), (0, 2, 3), (1, 3, 2))]
+    pathlib.Path(SCENE).write_text('\n'.join(text) + '\n')
+
+
+def call(command, setting, **more):
+    """With the threads and the surroundings of a setting."""
+    threads = [THREADS, setting[THREADS]] if THREADS in setting else []
+    surroundings = os.environ | {key: value for key, value in setting.items() if key != THREADS}
+    done = subprocess.run([ENVMAP, *command.split(), *threads], env=surroundings, capture_output=True, **more)
+    if done.returncode != 0:
+        sys.exit(f'same_bytes: envmap {command}: {done.stderr.decode()}')
+    return done.stdout
 
 
 def run(setting):
@@ -74,32 +119,48 @@ def run(setting):
     elsewhere = 'TZ' in setting
     more = {'umask': 0o077} if elsewhere else {}
     with tempfile.TemporaryDirectory(prefix='größe 1 ' if elsewhere else None) as folder:
+        shutil.copy(SCENE, folder)
         if elsewhere and os.getuid() == 0:
             nobody = 65534
             os.chown(folder, nobody, nobody)
             more |= {'user': nobody, 'group': nobody, 'extra_groups': []}
         for command in COMMANDS:
-            threads = ['--threads', '1'] if 'ENVMAP_BASELINE' in setting else []
-            done = subprocess.run([ENVMAP, *command.split(), *threads], cwd=folder, env=os.environ | setting, capture_output=True, **more)
-            if done.returncode != 0:
-                sys.exit(f'same_bytes: envmap {command}: {done.stderr.decode()}')
-            hashes[command] = hashlib.sha256(done.stdout).hexdigest()
-        for file in sorted(pathlib.Path(folder).iterdir()):
-            hashes[file.name] = hashlib.sha256(file.read_bytes()).hexdigest()
+            hashes[command] = hashlib.sha256(call(command, setting, cwd=folder, **more)).hexdigest()
+        for file in sorted(p for p in pathlib.Path(folder).rglob('*') if p.is_file()):
+            hashes[str(file.relative_to(folder))] = hashlib.sha256(file.read_bytes()).hexdigest()
     return hashes
+
+
+def drawn():
+    """What differs of pictures by OpenGL."""
+    try:
+        ctypes.CDLL('libOSMesa.so.8')
+        context = 'osmesa'
+    except OSError:
+        context = 'egl'
+    with tempfile.TemporaryDirectory() as folder:
+        shutil.copy(SCENE, folder)
+        for k, command in enumerate(DRAWN):
+            bytes_of = []
+            for n, setting in enumerate(DRAWN_SETTINGS):
+                name = f'{k}-{n}'
+                call(f'{command.format(name)} -q --context {context}', setting | {'LIBGL_ALWAYS_SOFTWARE': '1'}, cwd=folder)
+                bytes_of.append(next(pathlib.Path(folder).glob(name + '.*')).read_bytes())
+            yield from (f'{command}: differs with {setting}' for one, setting in zip(bytes_of, DRAWN_SETTINGS) if one != bytes_of[0])
 
 
 def probe(setting):
     return subprocess.run([PROBE], env=os.environ | setting, capture_output=True, check=True).stdout.split()
 
 
+write_scene()
 plain = probe({})
-hidden = probe(SETTINGS['both'])
+hidden = probe(HIDE_FROM_LIBC)
 # On a processor without them there is nothing to hide, and nothing to see.
 if b'avx2' in plain and (plain == hidden):
     sys.exit('same_bytes: hiding AVX2 and FMA from the C library changes nothing: are the names of its tunables others?')
 wanted = run({})
 bad = [f'{name} differs: {title}' for title, setting in SETTINGS.items() if setting
-       for name, found in run(setting).items() if found != wanted[name]]
+       for name, found in run(setting).items() if found != wanted[name]] + list(drawn())
 print('\n'.join(bad) or f'{len(wanted)} outputs are the same {len(SETTINGS)} times')
 sys.exit(1 if bad else 0)

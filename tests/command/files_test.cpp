@@ -356,28 +356,6 @@ TEST_F(SameBytes, AtAnotherTime) {
   }
 }
 
-TEST_F(SameBytes, AtAnyNumberOfThreads) {
-  succeeds({"generate", "sun", "in.exr", "--size", "48", "--direction", "1,2,3", "--radius", "5"});
-  const std::vector<std::string> commands[] = {{"convert", "in.exr", "out.exr", "--to", "cube", "--filter", "bilinear"},
-                                               {"convert", "in.exr", "out.exr", "--to", "sphere", "--size", "150",
-                                                "--filter", "area"},
-                                               {"generate", "sun", "out.exr", "--size", "300"},
-                                               {"compare", "in.exr", "in.exr", "--difference", "out.exr"}};
-  for (std::vector<std::string> command : commands) {
-    SCOPED_TRACE(::testing::PrintToString(command));
-    command.insert(command.end(), {"--threads", "1"});
-    const auto run = [&](const char* threads) {
-      command.back() = threads;
-      const Result r = envmap(command);
-      EXPECT_EQ(r.status, 0) << r.err;
-      return std::pair(r.out, files());
-    };
-    const auto one = run("1");
-    EXPECT_TRUE(run("2") == one);
-    EXPECT_TRUE(run("7") == one);
-  }
-}
-
 // ---- where outputs appear -------------------------------------------------------------------------------------------
 
 class Places : public CommandTest {
@@ -471,32 +449,11 @@ TEST_F(Places, ALoopOfLinksIsNoPlace) {
   fails(4, {"convert", "in.exr", "a.exr"}, {"a.exr", "symbolic links"});
 }
 
-TEST_F(Places, AFullTemporaryFolderIsNamed) {
-  for (const char* format : {"exr", "hdr", "png", "ktx2"}) {
-    const Result r =
-        shell(std::string("ulimit -f 1; \"$ENVMAP\" generate sky - --size 256 --clamp --to cube --format ") + format);
-    EXPECT_EQ(r.status, 4);
-    EXPECT_NE(r.err.find("standard output: cannot be held in "), std::string::npos) << r.err;
-    EXPECT_NE(r.err.find("TMPDIR"), std::string::npos) << r.err;
-  }
-}
-
 TEST_F(Places, TheTemporaryFolderIsNamedWhereItIsMissing) {
   const Result r = shell("TMPDIR=/nonexistent \"$ENVMAP\" generate sky - --size 4");
   EXPECT_EQ(r.status, 4);
   EXPECT_NE(r.err.find("/nonexistent"), std::string::npos) << r.err;
   EXPECT_NE(r.err.find("TMPDIR"), std::string::npos) << r.err;
-}
-
-// A limit on files is like a full disk, not a signal; and nothing is left, neither of that nor of a kill.
-TEST_F(Places, NothingIsLeftOfWhatIsCutShort) {
-  const Result limited = shell("ulimit -f 1; \"$ENVMAP\" generate sky a.exr --size 256");
-  EXPECT_EQ(limited.status, 4) << limited.err;
-  // libjpeg ends the program itself there.
-  EXPECT_EQ(shell("ulimit -f 1; \"$ENVMAP\" generate directions a.jpg --size 256 2>/dev/null").status, 4);
-  for (const std::string signal : {"TERM", "QUIT", "INT", "KILL"})
-    (void)shell("timeout -s " + signal + " 0.3 \"$ENVMAP\" generate directions b.exr --size 2048 -q");
-  for (const std::string& name : names()) EXPECT_FALSE(name.starts_with('.')) << name;
 }
 
 // What is no image is refused at its first bytes, however much follows.

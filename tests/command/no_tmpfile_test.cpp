@@ -34,14 +34,6 @@ TEST_F(NoTmpfile, OutputsAreTheSame) {
   EXPECT_EQ(names(), (std::vector<std::string>{"a.exr", "a.hdr", "a.ktx2", "a.png"}));
 }
 
-TEST_F(NoTmpfile, NothingIsLeftOnAFullDisk) {
-  write("a.exr", "the old file");
-  for (const char* name : {"a.exr", "b.exr"})
-    EXPECT_EQ(shell("ulimit -f 1; " + envmap_there + "generate sky --size 256 " + name).status, 4) << name;
-  EXPECT_EQ(names(), std::vector<std::string>{"a.exr"});
-  EXPECT_EQ(read("a.exr"), "the old file");
-}
-
 TEST_F(NoTmpfile, NothingIsLeftByASignal) {
   save(path("in.exr"), latlong_directions(8));
   write("out.exr", "the old file");

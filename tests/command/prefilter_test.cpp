@@ -121,13 +121,6 @@ TEST_F(Prefilter, APhongChainFallsByQuartersOrToLambertsCosine) {
   EXPECT_EQ(exponents("0.5", "2"), "0.5,0.5");
 }
 
-TEST_F(Prefilter, AnyNumberOfThreadsGivesTheSameBytes) {
-  for (const char* threads : {"1", "3"})
-    succeeds({"prefilter", "in.exr", std::string("t") + threads + ".exr", "--lobe", "ggx", "--roughness", "0.3",
-              "--size", "16", "-q", "--threads", threads});
-  EXPECT_EQ(read("t1.exr"), read("t3.exr"));
-}
-
 TEST_F(Prefilter, ScaleIsTheFactor) {
   succeeds({"generate", "constant", "white.exr", "--size", "4", "--value", "1"});
   succeeds({"prefilter", "white.exr", "out.exr", "--lobe", "diffuse", "--scale", "3", "--size", "2", "-q"});

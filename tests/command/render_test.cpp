@@ -15,18 +15,6 @@ class Render : public CommandTest {
   Render() { write("scene.obj", "v 1 1 1\nv -1 -1 1\nv -1 1 -1\nv 1 -1 -1\nf 1 2 3\nf 1 4 2\nf 1 3 4\nf 2 4 3\n"); }
 };
 
-TEST_F(Render, TheSameBytesAtAnyThreads) {
-  for (const std::string to : {"cube", "sphere"}) {
-    const std::string line = "\"$ENVMAP\" render scene.obj -q --context " + std::string(on_processor()) +
-                             " --ambient 1 --size 64 --to " + to + " ";
-    ASSERT_EQ(shell("LP_NUM_THREADS=1 " + line + "a.exr").status, 0);
-    ASSERT_EQ(shell("LP_NUM_THREADS=2 " + line + "b.exr --threads 1").status, 0);
-    ASSERT_EQ(shell(line + "c.exr").status, 0);
-    EXPECT_EQ(read("a.exr"), read("b.exr"));
-    EXPECT_EQ(read("a.exr"), read("c.exr"));
-  }
-}
-
 TEST_F(Render, AFileAFrame) {
   ASSERT_EQ(envmap({"render", "scene.obj", "m_{frame}.exr", "-q", "--size", "8", "--frames", "9:10"}).status, 0);
   ASSERT_EQ(envmap({"render", "scene.obj", "n_%02d.exr", "-q", "--size", "8", "--frames", "9:10"}).status, 0);

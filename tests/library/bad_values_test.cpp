@@ -128,12 +128,6 @@ std::vector<Call> of_measures() {
                      harmonics_at(1, Direction(0, 0, 1), out);
                    },
                    "out must hold 4"});
-  for (const Direction& bad : {Direction(0), Direction(nan), Direction(inf, 0, 0)}) {
-    calls.push_back({"irradiance", [=] { (void)irradiance(sky(), bad); }, "normal must be"});
-    calls.push_back({"radiance_within", [=] { (void)radiance_within(sky(), bad, 5); }, "towards must be"});
-    calls.push_back({"photograph", [=] { (void)photograph(sky().clone(), {.towards = bad}); }, "towards must be"});
-    calls.push_back({"sun", [=] { (void)generate(Sun{.towards = bad}, Projection::cube, 4); }, "towards must be"});
-  }
   add(calls, "radiance_within", "degrees", std::vector<double>{-1, nan, 181},
       [](double v) { (void)radiance_within(sky(), Direction(0, 1, 0), v); });
   return calls;
@@ -156,7 +150,7 @@ std::vector<Call> of_the_rest() {
   add(calls, "photograph", "gain", bad_gains, [](double v) { (void)photograph(sky().clone(), {.gain = v}); });
   add(calls, "photograph", "field_radians", std::vector{0.0, -1.0, nan, pi, 7.0},
       [](double v) { (void)photograph(sky().clone(), {.field_radians = v}); });
-  for (const double bad : {0.0, 1.0, 1e7, nan}) {
+  for (const double bad : {0.0, 0.5, 1.0, -2.0, 1e7, nan}) {
     calls.push_back({"BallCamera", [=] { (void)BallCamera{bad}.blind_angle(); }, "distance must be", "distance"});
     calls.push_back({"BallCamera",
                      [=] {
@@ -171,6 +165,31 @@ std::vector<Call> of_the_rest() {
   add(calls, "black_body", "kelvin", std::vector{0.0, 999.0, nan, inf}, [](double v) { (void)black_body(v); });
   add(calls, "white_balance", "kelvin", std::vector{0.0, nan}, [](double v) { (void)white_balance(v, rec709); });
   add(calls, "checker", "squares", std::vector{0, -1}, [](int v) { (void)generate(Checker{v}, Projection::cube, 4); });
+  add(calls, "atmosphere", "turbidity", std::vector{0.5, 11.0, nan},
+      [](double v) { (void)generate(Atmosphere{.turbidity = v}, Projection::cube, 4); });
+  add(calls, "atmosphere", "altitude", std::vector{-1.0, nan},
+      [](double v) { (void)generate(Atmosphere{.altitude = v}, Projection::cube, 4); });
+  add(calls, "atmosphere", "radius_degrees", std::vector{0.0, nan},
+      [](double v) { (void)generate(Atmosphere{.radius_degrees = v}, Projection::cube, 4); });
+  for (const double bad : {-1.0, 2.0, nan})
+    calls.push_back({"atmosphere", [=] { (void)generate(Atmosphere{.ground = Rgb<double>(bad)}, Projection::cube, 4); },
+                     "ground must"});
+  for (const double bad : {-1.0, 1e39, nan})
+    calls.push_back(
+        {"constant", [=] { (void)generate(Constant{Rgb<double>(bad)}, Projection::cube, 4); }, "infinite radiance"});
+  calls.push_back({"harmonic", [] { (void)generate(Harmonic{.degree = 2, .base = 0}, Projection::cube, 4); },
+                   "negative or infinite radiance"});
+  calls.push_back({"photograph", [] { (void)photograph(sky().clone(), {.filter = Filter::area}); }, "filter"});
+  calls.push_back({"photograph",
+                   [] { (void)photograph(sky().clone(), {.lens = CameraModel::fisheye, .field_radians = 7}); },
+                   "field_radians must be"});
+  calls.push_back(
+      {"photograph",
+       [] {
+         (void)photograph(sky().clone(),
+                          {.lens = CameraModel::cylinder, .field_radians = pi / 2, .width = 2000, .height = 480});
+       },
+       "width"});
   add(calls, "sun", "radius_degrees", std::vector{0.0, -1.0, nan, 181.0},
       [](double v) { (void)generate(Sun{.radius_degrees = v}, Projection::cube, 4); });
   add(calls, "harmonic", "degree", std::vector{-1, 101},

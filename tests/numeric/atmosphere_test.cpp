@@ -345,21 +345,5 @@ TEST(Atmosphere, TheDiscIsDarkerAtItsLimb) {
   EXPECT_LT(limb / mean, 0.8);
 }
 
-TEST(Atmosphere, RefusesWhatIsOutOfRange) {
-  EXPECT_THROW((void)generate(Atmosphere{.turbidity = 0.5}, Projection::cube, 4), UsageError);
-  EXPECT_THROW((void)generate(Atmosphere{.altitude = -1}, Projection::cube, 4), UsageError);
-  EXPECT_THROW((void)generate(Atmosphere{.ground = Rgb<double>(2)}, Projection::cube, 4), UsageError);
-  EXPECT_THROW((void)generate(Atmosphere{.radius_degrees = 0}, Projection::cube, 4), UsageError);
-  EXPECT_THROW((void)generate(Atmosphere{.sun = Direction(0)}, Projection::cube, 4), UsageError);
-}
-
-TEST(Atmosphere, HasTheSameBytesByAnyThreads) {
-  const EnvironmentMap one = generate(Atmosphere{}, Projection::cube, 32, {.threads = 1}).map;
-  const EnvironmentMap two = generate(Atmosphere{}, Projection::cube, 32, {.threads = 2}).map;
-  for (int f = 0; f < 6; ++f)
-    for (int j = 0; j < 32; ++j)
-      for (int i = 0; i < 32; ++i) ASSERT_EQ(*one.base().texel(f, i, j), *two.base().texel(f, i, j));
-}
-
 }  // namespace
 }  // namespace envmap::atmosphere_test

@@ -137,13 +137,5 @@ TEST(BallCamera, AWhiteRoomStaysWhite) {
   }
 }
 
-TEST(BallCamera, IsOfSphereMapsAndOfDistancesOutsideOfTheBall) {
-  EnvironmentMap cube;
-  cube.levels.emplace_back(Projection::cube, 4);
-  EXPECT_THROW(convert(cube, {.ball = BallCamera{3}}), UsageError);
-  for (const double distance : {1.0, 0.5, -2.0, 1e7, std::nan("")})
-    EXPECT_THROW(convert(photo(3, 8), {.ball = BallCamera{distance}}), UsageError);
-}
-
 }  // namespace
 }  // namespace envmap::ball_camera_test

@@ -2,14 +2,12 @@
 #include "envmap/prefilter/brdf_table.h"
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include <cmath>
 #include <utility>
 
 #include "envmap/maths/quadrature.h"
 #include "envmap/maths/vector.h"
-#include "every_target.h"
 
 namespace envmap::brdf_table_test {
 namespace {
@@ -155,15 +153,6 @@ TEST(SheenTable, StraightAheadHasAClosedForm) {
 TEST(SheenTable, HoldsTheAlbedoInAllChannels) {
   const std::vector<Colour> table = sheen_table(8);
   EXPECT_EQ(table[2 * 8 + 5], Colour(float(one_sheen(5.5 / 8, 2.5 / 8))));
-}
-
-TEST(BrdfTable, ThreadsAndInstructionSetsChangeNoBit) {
-  const std::vector<Colour> reference = brdf_table(13);
-  {
-    const tbb::global_control single(tbb::global_control::max_allowed_parallelism, 1);
-    EXPECT_EQ(brdf_table(13), reference);
-  }
-  on_every_target([&](const char* target) { EXPECT_EQ(brdf_table(13), reference) << target; });
 }
 
 }  // namespace

@@ -1,8 +1,7 @@
-// Conversions: every pair of projections against the plain formulae, constants, symmetry, flux, threads.
+// Conversions: every pair of projections against the plain formulae, constants, symmetry, flux.
 #include "envmap/operate/convert.h"
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include <cstring>
 
@@ -118,23 +117,6 @@ TEST_P(EachPair, FluxOfASmoothEnvironment) {
     EXPECT_NEAR(mean_radiance(convert(source, {.to = to_, .filter = Filter::bilinear}).base()), 1, 4e-4);
   }
   EXPECT_NEAR(mean_radiance(convert(source, {.to = to_, .filter = Filter::area, .area_error = 1e-3}).base()), 1, 3e-4);
-}
-
-TEST_P(EachPair, TheSameBytesAtAnyNumberOfThreads) {
-  const EnvironmentMap source = generate(Sun{.radius_degrees = 5}, from_, 24);
-  const auto bytes = [&](std::size_t threads, Filter filter) {
-    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-    return convert(source, {.to = to_, .size = 20, .filter = filter});
-  };
-  for (const Filter filter :
-       {Filter::bilinear, Filter::bicubic, Filter::trilinear, Filter::sat, Filter::ewa, Filter::area}) {
-    const EnvironmentMap one = bytes(1, filter), two = bytes(2, filter);
-    for (int f = 0; f < one.base().faces(); ++f)
-      for (int j = 0; j < one.base().height(); ++j)
-        ASSERT_EQ(std::memcmp(one.base().row(f, j).data(), two.base().row(f, j).data(),
-                              one.base().row(f, j).size_bytes()),
-                  0);
-  }
 }
 
 // A turn of the environment moves what is seen; the other projections only have to agree with the formula.

@@ -144,15 +144,5 @@ TEST_P(EachGenerated, AnalyticHarmonicSurvivesConversion) {
   }
 }
 
-TEST(Generate, RefusesWhatMakesNoSense) {
-  const auto make = [](const Pattern& p) { return generate(p, Projection::latlong, 8); };
-  EXPECT_THROW(make(Constant{Direction(-1)}), UsageError);
-  EXPECT_THROW(make(Constant{Direction(1e39)}), UsageError);
-  EXPECT_THROW(make(Harmonic{.degree = 2, .order = 3}), UsageError);
-  EXPECT_THROW(make(Harmonic{.degree = 2, .order = 0, .base = 0}), UsageError);
-  EXPECT_THROW(make(Checker{.squares = 0}), UsageError);
-  EXPECT_THROW(make(Sun{.radius_degrees = 0}), UsageError);
-}
-
 }  // namespace
 }  // namespace envmap::generate_test

@@ -2,14 +2,13 @@
 #include "envmap/operate/levels.h"
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include <cmath>
 
-#include "envmap/sample/padded_level.h"
 #include "envmap/operate/generate.h"
 #include "envmap/operate/measure.h"
 #include "envmap/projection/visit.h"
+#include "envmap/sample/padded_level.h"
 
 namespace envmap::levels_test {
 namespace {
@@ -114,19 +113,6 @@ TEST_P(EachLevels, ShowTheMeanOfTheEnvironmentInEveryTexel) {
                 << level.width() << "x" << level.height() << " face " << f << ": " << i << "," << j << " at " << r.u0;
           }
   }
-}
-
-TEST_P(EachLevels, AreTheSameBitsAtAnyNumberOfThreads) {
-  std::vector<std::vector<Level>> chains;
-  for (const std::size_t threads : {1U, 2U, 5U}) {
-    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-    chains.push_back(generate(Directions{}, GetParam(), 99).levels);
-    add_levels(chains.back());
-  }
-  for (std::size_t k = 0; k < chains[0].size(); ++k)
-    for (int f = 0; f < chains[0][k].faces(); ++f)
-      for (int j = 0; j < chains[0][k].height(); ++j)
-        for (const auto& chain : chains) EXPECT_TRUE(std::ranges::equal(chain[k].row(f, j), chains[0][k].row(f, j)));
 }
 
 TEST(Levels, OfUniformWeightsArePlainMeansOfFour) {

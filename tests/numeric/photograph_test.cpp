@@ -87,16 +87,5 @@ TEST(Photograph, WidePixelsAreMeans) {
   for (const Colour& c : photograph(map.clone(), o)) EXPECT_NEAR(c.x, 0.5, 0.05);
 }
 
-TEST(Photograph, RefusesWhatNoLensShows) {
-  const EnvironmentMap map = directions_map(Projection::cube, 4);
-  const auto refuses = [&](const PhotographOptions& o) { EXPECT_THROW(photograph(map.clone(), o), UsageError); };
-  refuses({.field_radians = pi});
-  refuses({.field_radians = std::nan("")});
-  refuses({.lens = CameraModel::fisheye, .field_radians = 7});
-  refuses({.towards = Direction(0)});
-  refuses({.filter = Filter::area});
-  refuses({.lens = CameraModel::cylinder, .field_radians = pi / 2, .width = 2000, .height = 480});
-}
-
 }  // namespace
 }  // namespace envmap::photograph_test

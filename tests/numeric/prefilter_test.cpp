@@ -2,20 +2,18 @@
 #include "envmap/prefilter/prefilter.h"
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include <cmath>
 #include <functional>
 #include <numbers>
-#include <random>
 
 #include "envmap/operate/convert.h"
 #include "envmap/operate/generate.h"
 #include "envmap/operate/measure.h"
 #include "envmap/prefilter/exact/exact.h"
 #include "envmap/prefilter/source_cube.h"
-#include "every_target.h"
 #include "formulae.h"
+#include "numeric/landscape.h"
 
 namespace envmap {
 
@@ -23,6 +21,8 @@ using prefiltering::exact_prefilter;
 
 namespace prefilter_test {
 namespace {
+
+using numeric_tests::landscape;
 
 // ---- the definitions once more --------------------------------------------------------------------------------------
 
@@ -74,21 +74,6 @@ Flux brute_force(const Points& points, const Prefilter& p, const Direction& r) {
     for (int c = 0; c < 3; ++c) sums[c] += weight * points.light[k][c];
   }
   return {double(sums[0] / whole), double(sums[1] / whole), double(sums[2] / whole)};
-}
-
-// Colours without any relation between the channels, and a sun.
-EnvironmentMap landscape(Projection projection, int size, float sun = 2000) {
-  EnvironmentMap map;
-  map.levels.emplace_back(projection, size);
-  std::mt19937 random(29);
-  Level& level = map.base();
-  for (int face = 0; face < level.faces(); ++face)
-    for (int j = 0; j < size; ++j)
-      for (int i = columns(projection, size, j).first; i < columns(projection, size, j).end; ++i)
-        for (int c = 0; c < 3; ++c)
-          (*level.texel(face, i, j))[c] = 0.05F + float(random() % 1000) / 1000 * (c + 1) * (j < size / 2 ? 1.F : 0.1F);
-  *level.texel(level.faces() - 1, level.width() / 3, size / 3) = Colour(sun, 0.8F * sun, 0.5F * sun);
-  return map;
 }
 
 // What is prefiltered: the map, or the cube that stands for it.
@@ -698,32 +683,6 @@ TEST(Prefilter, SunsOfAnyStrengthAndBlackAreFinite) {
       EXPECT_EQ(find_flaws(done.map.base()).count(), 0);
       EXPECT_NEAR(done.map.base().texel(0, 0, 0)->x, value, 2e-45) << words(p);
     }
-  }
-}
-
-TEST(Prefilter, ThreadsAndInstructionSetsChangeNoBit) {
-  // Large enough for blocks of two by two texels.
-  const EnvironmentMap source = landscape(Projection::cube, 160);
-  const auto same = [](const Level& a, const Level& b) {
-    for (int f = 0; f < a.faces(); ++f)
-      for (int j = 0; j < a.height(); ++j)
-        if (!std::ranges::equal(a.row(f, j), b.row(f, j))) return false;
-    return true;
-  };
-  Prefilter tree = lobes[3];
-  tree.method = Method::treecode;
-  Prefilter exact = lobes[3];
-  exact.method = Method::exact, exact.size = 2;
-  for (Prefilter p : {lobes[0], lobes[3], lobes[4], tree, exact}) {
-    if (p.method != Method::exact) p.size = 12;
-    const Prefiltered reference = PrefilterSource(source).make(p);
-    {
-      const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
-      EXPECT_TRUE(same(PrefilterSource(source).make(p).map.base(), reference.map.base())) << words(p);
-    }
-    on_every_target([&](const char* target) {
-      EXPECT_TRUE(same(PrefilterSource(source).make(p).map.base(), reference.map.base())) << words(p) << " " << target;
-    });
   }
 }
 

@@ -2,11 +2,9 @@
 #include "envmap/scenes/render/rays/raycast.h"
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "envmap/operate/generate.h"
@@ -226,27 +224,6 @@ TEST(Raycast, SamplesAreTheMeanOfWhatTheySee) {
   const Colour expected = part * wall_colour(5) + (1 - part) * wall_colour(0);
   EXPECT_LT(glm::length(*many.radiance.base().texel(5, i, 32) - expected), 0.05F);
   EXPECT_EQ(*one.radiance.base().texel(5, 32, 32), *many.radiance.base().texel(5, 32, 32));
-}
-
-TEST(Raycast, ThreadsChangeNothing) {
-  Scene scene = box(1.5);
-  for (int k = 0; k < 300; ++k) {  // Many that touch and cut each other.
-    const double a = 2.4 * k, r = 0.05 * std::sqrt(k);
-    scene.nodes.push_back(
-        {.local = glm::rotate(glm::translate(Matrix(1), Direction(r * std::cos(a), r * std::sin(a), -1)), 0.1 * k,
-                              Direction(0, 0, 1)) *
-                  glm::scale(Matrix(1), Direction(0.2)),
-         .meshes = {k % 6}});
-  }
-  const auto draw = [&](std::size_t threads) {
-    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-    return raycast(shot_of(scene), {.to = Projection::paraboloid, .size = 200});
-  };
-  const Drawn one = draw(1), two = draw(2);
-  EXPECT_EQ(one.surfaces, two.surfaces);
-  EXPECT_EQ(std::memcmp(one.distances.data(), two.distances.data(), one.distances.size() * sizeof(float)), 0);
-  for (int j = 0; j < 200; ++j)
-    for (int i = 0; i < 200; ++i) ASSERT_EQ(*one.radiance.base().texel(0, i, j), *two.radiance.base().texel(0, i, j));
 }
 
 // Triangles through the viewpoint, behind it, without area, tiny and huge.

@@ -9,7 +9,7 @@
 
 #include "envmap/prefilter/prefilter.h"
 
-namespace envmap::work_test {
+namespace envmap::work_counters_test {
 namespace {
 
 // Noise over a sky and a darker ground, and a sun.
@@ -78,4 +78,4 @@ TEST(Work, ThreadsTakeTheSameSteps) {
 }
 
 }  // namespace
-}  // namespace envmap::work_test
+}  // namespace envmap::work_counters_test

@@ -1,13 +1,12 @@
 // --max-error: what is promised of the sampled texels has to hold in all of them.
-#include "envmap/operate/convert.h"
-
 #include <gtest/gtest.h>
 
 #include <random>
 
+#include "envmap/operate/convert.h"
 #include "envmap/operate/measure.h"
 
-namespace envmap::choose_test {
+namespace envmap::choose_filter_test {
 namespace {
 
 // Soft noise, and a sun in a few texels.
@@ -21,7 +20,7 @@ EnvironmentMap landscape(int height) {
   return map;
 }
 
-TEST(Choose, TheErrorAskedForHoldsInEveryTexel) {
+TEST(ChooseFilter, TheErrorAskedForHoldsInEveryTexel) {
   for (const Projection to : {Projection::cube, Projection::paraboloid})
     for (const double error : {0.3, 1e-2, 1e-3}) {
       const EnvironmentMap source = landscape(96);
@@ -36,7 +35,7 @@ TEST(Choose, TheErrorAskedForHoldsInEveryTexel) {
     }
 }
 
-TEST(Choose, CheaperFiltersServeLargerErrors) {
+TEST(ChooseFilter, CheaperFiltersServeLargerErrors) {
   EnvironmentMap smooth;
   smooth.levels.emplace_back(Projection::latlong, 64);
   for (int j = 0; j < 64; ++j) std::ranges::fill(smooth.base().row(0, j), Colour(2));
@@ -46,4 +45,4 @@ TEST(Choose, CheaperFiltersServeLargerErrors) {
 }
 
 }  // namespace
-}  // namespace envmap::choose_test
+}  // namespace envmap::choose_filter_test

@@ -13,7 +13,7 @@
 #include "envmap/scenes/scene/camera.h"
 #include "render/gltf_file.h"
 
-namespace scenes::scene_test {
+namespace scenes::read_gltf_test {
 namespace {
 
 using namespace envmap;
@@ -486,4 +486,4 @@ TEST_F(SceneTest, TheSampleScenesAreRead) {
 }
 
 }  // namespace
-}  // namespace scenes::scene_test
+}  // namespace scenes::read_gltf_test

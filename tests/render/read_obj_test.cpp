@@ -6,7 +6,7 @@
 #include "envmap/scenes/read/triangulate.h"
 #include "render/gltf_file.h"
 
-namespace scenes::obj_test {
+namespace scenes::read_obj_test {
 namespace {
 
 using namespace envmap;
@@ -243,4 +243,4 @@ TEST(Triangulate, WhatIsNoPolygonEnds) {
 }
 
 }  // namespace
-}  // namespace scenes::obj_test
+}  // namespace scenes::read_obj_test

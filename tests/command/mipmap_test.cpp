@@ -8,7 +8,7 @@
 #include "picture.h"
 #include "run.h"
 
-namespace command_tests::levels_test {
+namespace command_tests::mipmap_test {
 namespace {
 
 constexpr double pi = std::numbers::pi;
@@ -54,9 +54,9 @@ double cube_flux(const Picture& p, int n) {
   return sum;
 }
 
-class Levels : public CommandTest {};
+class Mipmap : public CommandTest {};
 
-TEST_F(Levels, KeepTheLightOfASunAtAPoleAndAtACorner) {
+TEST_F(Mipmap, KeepTheLightOfASunAtAPoleAndAtACorner) {
   for (const int size : {32, 45}) {
     const std::string n = std::to_string(size);
     Picture latlong = Picture::filled(2 * size, size, 1);
@@ -90,27 +90,7 @@ TEST_F(Levels, KeepTheLightOfASunAtAPoleAndAtACorner) {
   }
 }
 
-TEST_F(Levels, AreTheSameBytesAtAnyNumberOfThreads) {
-  using Words = std::vector<std::string>;
-  for (const Words& to : {Words{"latlong", "a.exr"},
-                          {"cube", "a.ktx2"},
-                          {"cube", "a.ktx2", "--zstd"},
-                          {"paraboloid", "a.dds"},
-                          {"angular", "a.exr", "--weights", "uniform"}}) {
-    SCOPED_TRACE(to[0] + " " + to[1]);
-    succeeds({"generate", "sun", "in.exr", "--to", to[0], "--size", "150"});
-    std::string first;
-    for (const char* threads : {"1", "2", "7"}) {
-      Words arguments{"mipmap", "in.exr", "--threads", threads};
-      arguments.insert(arguments.end(), to.begin() + 1, to.end());
-      succeeds(arguments);
-      if (first.empty()) first = read(to[1]);
-      EXPECT_TRUE(read(to[1]) == first) << threads;
-    }
-  }
-}
-
-TEST_F(Levels, AreNoMoreThanTheSizeHas) {
+TEST_F(Mipmap, AreNoMoreThanTheSizeHas) {
   succeeds({"generate", "sky", "in.exr", "--size", "8"});
   const std::vector<std::string> roughnesses{"--lobe", "ggx", "--roughnesses", "0.5,0.6,0.7,0.8", "--size", "4", "-q"};
   const auto prefilter = [&](const std::string& name) {
@@ -122,7 +102,7 @@ TEST_F(Levels, AreNoMoreThanTheSizeHas) {
   succeeds(prefilter("out_{level}.exr"));
 }
 
-TEST_F(Levels, AreReadFromEveryKindOfFile) {
+TEST_F(Mipmap, AreReadFromEveryKindOfFile) {
   succeeds({"generate", "sky", "in.exr", "--to", "cube", "--size", "24"});
   succeeds({"mipmap", "in.exr", "chain.exr", "--levels", "3"});
   for (const std::string name :
@@ -142,7 +122,7 @@ TEST_F(Levels, AreReadFromEveryKindOfFile) {
   }
 }
 
-TEST_F(Levels, InFilesOfTheirOwnAreOfOneMap) {
+TEST_F(Mipmap, InFilesOfTheirOwnAreOfOneMap) {
   succeeds({"generate", "sky", "sky_0.exr", "--size", "8"});
   succeeds({"generate", "sky", "sky_1.exr", "--size", "8"});
   fails(3, {"info", "sky_{level}.exr", "--level", "1"}, {"sky_1.exr", "16x8", "level 1 is 8x4"});
@@ -153,13 +133,13 @@ TEST_F(Levels, InFilesOfTheirOwnAreOfOneMap) {
   EXPECT_EQ(report({"info", "one_{level}.ktx2"})["levels"], 5);
 }
 
-TEST_F(Levels, ReplaceNoInput) {
+TEST_F(Mipmap, ReplaceNoInput) {
   for (const std::string name : {"sky_1.exr", "sky_0.exr"}) succeeds({"generate", "sky", name, "--size", "4"});
   fails(2, {"mipmap", "sky_1.exr", "sky_{level}.exr"}, {"sky_1.exr", "is both input and output"});
   fails(2, {"mipmap", "sky_0.exr", "out_{level}.exr", "--depfile", "out_1.exr"}, {"out_1.exr", "written twice"});
 }
 
-TEST_F(Levels, LeaveFilesOfOtherLevelsAlone) {
+TEST_F(Mipmap, LeaveFilesOfOtherLevelsAlone) {
   succeeds({"generate", "sky", "in.exr", "--size", "2"});
   write("out_9.exr", "kept");
   std::filesystem::permissions(path("out_9.exr"), std::filesystem::perms(0444));
@@ -167,7 +147,7 @@ TEST_F(Levels, LeaveFilesOfOtherLevelsAlone) {
   EXPECT_EQ(read("out_9.exr"), "kept");
 }
 
-TEST_F(Levels, OfLuminanceAndChromaAreOneLevel) {
+TEST_F(Mipmap, OfLuminanceAndChromaAreOneLevel) {
   if (shell("oiiotool --pattern constant:color=.2,.4,.6 32x16 3 -d half --tile 16 16 --chnames Y,RY,BY -otex in.exr")
           .status != 0)
     GTEST_SKIP() << "no oiiotool";
@@ -176,7 +156,7 @@ TEST_F(Levels, OfLuminanceAndChromaAreOneLevel) {
   fails(3, {"info", "in.exr", "--level", "1"}, {"has no level 1"});
 }
 
-TEST_F(Levels, OfALobeDoNotBecomePlainUnnoticed) {
+TEST_F(Mipmap, OfALobeDoNotBecomePlainUnnoticed) {
   succeeds({"generate", "sky", "in.exr", "--to", "cube", "--size", "16"});
   succeeds({"prefilter", "in.exr", "ggx.ktx2", "--lobe", "ggx", "--levels", "3", "-q"});
   succeeds({"mipmap", "ggx.ktx2", "kept.ktx2", "--keep"});
@@ -191,14 +171,14 @@ TEST_F(Levels, OfALobeDoNotBecomePlainUnnoticed) {
   succeeds({"mipmap", "ggx.ktx2", "out.ktx2", "--level", "0"});
 }
 
-TEST_F(Levels, OfOneFileEachAreNamedInTheDepfile) {
+TEST_F(Mipmap, OfOneFileEachAreNamedInTheDepfile) {
   succeeds({"generate", "sky", "in.exr", "--to", "cube", "--size", "4"});
   succeeds({"mipmap", "in.exr", "out_{level}.hdr", "--depfile", "out.d"});
   EXPECT_EQ(read("out.d"), "out_0.hdr out_1.hdr out_2.hdr: in.exr\nin.exr:\n");
   EXPECT_EQ(names(), (std::vector<std::string>{"in.exr", "out.d", "out_0.hdr", "out_1.hdr", "out_2.hdr"}));
 }
 
-TEST_F(Levels, OfPlainWeightsLoseLight) {
+TEST_F(Mipmap, OfPlainWeightsLoseLight) {
   Picture cube = Picture::filled(32, 192, 0);
   cube.at(0, 0)[0] = 1e6F;
   save(path("cube.exr"), cube);
@@ -207,7 +187,7 @@ TEST_F(Levels, OfPlainWeightsLoseLight) {
   EXPECT_NEAR(load_level(path("plain.exr"), 5).values[0], 1e6 / 1024, 0.1);  // As glGenerateMipmap has it.
 }
 
-TEST_F(Levels, NeedAPlaceInTheFile) {
+TEST_F(Mipmap, NeedAPlaceInTheFile) {
   succeeds({"generate", "sky", "in.exr", "--size", "4"});
   fails(2, {"mipmap", "in.exr", "out.hdr"}, {"out.hdr", "{level}"});
   fails(2, {"info", "in.exr", "--levels", "--level", "1"}, {"--level"});
@@ -315,4 +295,4 @@ TEST_F(Border, IsForLatlongAndCubesInAColumn) {
 }
 
 }  // namespace
-}  // namespace command_tests::levels_test
+}  // namespace command_tests::mipmap_test

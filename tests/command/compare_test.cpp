@@ -1,16 +1,13 @@
-// What the program tells: facts, differences, help, pages, completions.
-#include <algorithm>
+// Differences of maps, and what --max-error of convert promises by them.
 #include <cmath>
-#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <regex>
-#include <sstream>
 
 #include "picture.h"
 #include "run.h"
 
-namespace command_tests::report_test {
+namespace command_tests::compare_test {
 namespace {
 
 using nlohmann::json;
@@ -21,115 +18,6 @@ void expect_near(const json& values, const Vec& expected, double tolerance) {
   ASSERT_EQ(values.size(), 3U) << values;
   for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(values[k].get<double>(), expected.at(k), tolerance) << values;
 }
-
-// ---- info -----------------------------------------------------------------------------------------------------------
-
-class Info : public CommandTest {};
-
-TEST_F(Info, KnowsTheFluxOfAConstantMap) {
-  for (const std::string projection : {"latlong", "cube", "sphere", "paraboloid", "angular"}) {
-    SCOPED_TRACE(projection);
-    succeeds(
-        {"generate", "constant", "map.exr", "--to", projection, "--size", "16", "--value", "1,2,4", "--depth", "half"});
-    const json j = report(envmap({"info", "map.exr", "--json"}));
-    EXPECT_EQ(j["projection"], projection);
-    EXPECT_EQ(j["depth"], "half");
-    EXPECT_EQ(j["faces"], projection == "cube" ? 6 : projection == "paraboloid" ? 2 : 1);
-    EXPECT_NEAR(j["solid_angle"].get<double>(), 4 * pi, 1e-10);
-    expect_near(j["flux"], {4 * pi, 8 * pi, 16 * pi}, 1e-9);
-    expect_near(j["mean"], {1, 2, 4}, 1e-10);
-    expect_near(j["minimum"], {1, 2, 4}, 0);
-    expect_near(j["maximum"], {1, 2, 4}, 0);
-  }
-}
-
-TEST_F(Info, SaysWhatTheFileIs) {
-  save(path("map.hdr"), latlong_directions(8));
-  const json j = report(envmap({"info", "map.hdr", "--json", "--from-forward", "-x"}));
-  EXPECT_EQ(j["file"], "map.hdr");
-  EXPECT_EQ(j["format"], "hdr");
-  EXPECT_EQ(j["width"], 16);
-  EXPECT_EQ(j["height"], 8);
-  EXPECT_EQ(j["face_width"], 16);
-  EXPECT_EQ(j["face_height"], 8);
-  EXPECT_EQ(j["forward"], "-x");
-}
-
-TEST_F(Info, OfSeveralFilesIsAnArray) {
-  succeeds({"generate", "constant", "a.exr", "--size", "4", "--value", "1"});
-  succeeds({"generate", "constant", "b.exr", "--size", "4", "--value", "2"});
-  const json both = report(envmap({"info", "a.exr", "b.exr", "--json"}));
-  EXPECT_EQ(both, (json{report({"info", "a.exr"}), report({"info", "b.exr"})}));
-  fails(3, {"info", "a.exr", "missing.exr", "--json"}, {"missing.exr"});
-}
-
-TEST_F(Info, OfScenesListsNodesLightsAndCameras) {
-  std::string triangles;
-  for (int k = 0; k < 10; ++k) triangles += "o part" + std::to_string(k) + "\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf -3 -2 -1\n";
-  write("parts.obj", triangles);
-  const json scene = report({"info", "parts.obj"})["scene"];
-  EXPECT_EQ(scene["triangles"], 10);
-  EXPECT_EQ(scene["nodes"].size(), 10U);
-  EXPECT_EQ(scene["nodes"][9]["name"], "part9");
-  expect_near(scene["nodes"][9]["centre"], {0.5, 0.5, 0}, 0);
-  EXPECT_EQ(scene["lights"], json::array());
-  const std::string text = envmap({"info", "parts.obj"}).out;
-  EXPECT_NE(text.find("'part3', 1 triangle, centre 0.5,0.5,0\n"), std::string::npos) << text;
-  const std::string some = "the scene's nodes are part0, part1, part2, part3, part4, part5, part6, part7 and 2 more";
-  fails(2, {"render", "parts.obj", "a.exr", "--at", "nosuch"}, {"parts.obj", some});
-  fails(2, {"view", "parts.obj", "a.png", "--mirror", "nosuch"}, {some});
-  fails(2, {"info", "parts.obj", "--levels"}, {"is a scene", "--levels"});
-  fails(2, {"info", "parts.obj", "--input-space", "srgb"}, {"is a scene", "--input-space"});
-  fails(2, {"info", "parts.obj", "--from-faces", "gl"}, {"is a scene", "--from-faces"});
-  fails(2, {"info", "parts.obj", "--ocio", "builtin"}, {"is a scene", "--ocio"});
-  EXPECT_EQ(shell("OCIO=builtin \"$ENVMAP\" info parts.obj").status, 0);
-  fails(3, {"info", "missing.obj"}, {"missing.obj"});
-}
-
-TEST_F(Info, ShowsTheOtherFilesWhereOneIsMissing) {
-  succeeds({"generate", "sky", "a.exr", "--size", "4"});
-  succeeds({"generate", "sky", "b.exr", "--size", "4"});
-  const Result r = envmap({"info", "a.exr", "gone.exr", "b.exr"});
-  EXPECT_EQ(r.status, 3);
-  EXPECT_EQ(r.err, "envmap info: gone.exr: no such file\n");
-  EXPECT_EQ(r.out, envmap({"info", "a.exr", "b.exr"}).out);
-}
-
-TEST_F(Info, FindsTheBrightestDirectionInTheWorld) {
-  // One bright texel left of the centre of a map that looks along -Z: there lies -X.
-  Picture p = Picture::filled(16, 8, 0.5);
-  p.at(4, 3)[0] = p.at(4, 3)[1] = p.at(4, 3)[2] = 8;
-  save(path("map.exr"), p);
-  const json j = report(envmap({"info", "map.exr", "--json", "--from-forward", "-z"}));
-  const double longitude = (0.5 - 4.5 / 16) * 2 * pi, latitude = (0.5 - 3.5 / 8) * pi;
-  expect_near(j["brightest"]["direction"],
-              {-std::cos(latitude) * std::sin(longitude), std::sin(latitude),
-               -std::cos(latitude) * std::cos(longitude)},
-              1e-9);
-  EXPECT_EQ(j["brightest"]["texel"], (json{4, 3}));
-  EXPECT_NEAR(j["stops"].get<double>(), 4, 1e-9);
-  EXPECT_NEAR(j["dynamic_range"].get<double>(), 16, 1e-9);
-}
-
-TEST_F(Info, OfABlackMapHasNoRange) {
-  save(path("black.exr"), Picture::filled(8, 4, 0));
-  const json j = report(envmap({"info", "black.exr", "--json"}));
-  EXPECT_TRUE(j["stops"].is_null()) << j;
-  const std::string text = envmap({"info", "black.exr"}).out;
-  EXPECT_NE(text.find("nothing is brighter than 0"), std::string::npos);
-  EXPECT_EQ(text.find("--rotate"), std::string::npos) << "convert refuses to turn the sun of a black map";
-}
-
-TEST_F(Info, TabulatesTheSampling) {
-  succeeds({"generate", "sky", "map.exr", "--to", "cube", "--size", "64"});
-  const json table = report(envmap({"info", "map.exr", "--json", "--sampling"}))["sampling"];
-  ASSERT_GE(table.size(), 5U);
-  // A texel at a cube's corner has 3^(-3/2) of the solid angle of one at the centre.
-  EXPECT_NEAR(table.back()["solid_angle"].get<double>() / table.front()["solid_angle"].get<double>(), std::pow(3, -1.5),
-              0.01);
-}
-
-// ---- compare --------------------------------------------------------------------------------------------------------
 
 // Two latlong maps, all 1 but for one texel of the second row of the first map.
 class Compare : public CommandTest {
@@ -345,15 +233,6 @@ TEST_F(Compare, SaysWhichLimitIsExceededEvenWhereTheDifferenceCannotBeWritten) {
   EXPECT_NE(r.err.find("(--max-error)"), std::string::npos) << r.err;
 }
 
-TEST_F(Compare, WithABlackReferenceIsJsonThatParses) {
-  save(path("black.exr"), Picture::filled(width, height, 0));
-  const Result r = envmap({"compare", "a.exr", "black.exr", "--json", "--max-error", "1"});
-  EXPECT_EQ(r.status, 1);
-  EXPECT_FALSE(json::parse(r.out, nullptr, false).is_discarded()) << r.out;
-}
-
-// ---- convert --max-error --------------------------------------------------------------------------------------------
-
 TEST_F(Compare, JudgesTheFilterThatMaxErrorChose) {
   succeeds({"generate", "sun", "sun.exr", "--size", "64", "--direction", "1,1,2"});
   succeeds(
@@ -375,8 +254,6 @@ TEST_F(Compare, JudgesTheFilterThatMaxErrorChose) {
   EXPECT_EQ(envmap({"compare", "half.exr", "truth.exr", "--max-error", "2.2e-3"}).status, 0);
 }
 
-// ---- help, pages, completions ---------------------------------------------------------------------------------------
-
 TEST_F(Compare, AnAreaErrorThatTakesLongIsSaidBeforehand) {
   succeeds({"generate", "sun", "sun.exr", "--size", "16", "--direction", "1,1,2"});
   const auto made = [&](const char* error) {
@@ -387,174 +264,5 @@ TEST_F(Compare, AnAreaErrorThatTakesLongIsSaidBeforehand) {
   EXPECT_EQ(made("1e-5").err, "");
 }
 
-class Help : public CommandTest {
- protected:
-  /// Every command there is, as the pages have them.
-  [[nodiscard]] std::vector<std::string> commands() const {
-    succeeds({"manual", "."});
-    std::vector<std::string> all;
-    for (const std::string& page : names())
-      if (page.starts_with("envmap-") && page.ends_with(".1")) all.push_back(page.substr(7, page.size() - 9));
-    EXPECT_GE(all.size(), 5U);
-    return all;
-  }
-
-  void succeeds_and_prints(const std::vector<std::string>& arguments, const std::string& file) const {
-    const Result r = envmap(arguments);
-    EXPECT_EQ(r.status, 0) << r.err;
-    write(file, r.out);
-  }
-};
-
-TEST_F(Help, OfEachCommandHasTwoExamples) {
-  const std::string overview = envmap({"--help"}).out;
-  for (const std::string& command : commands()) {
-    SCOPED_TRACE(command);
-    EXPECT_NE(overview.find("\n  " + command + " "), std::string::npos);
-    const Result r = envmap({command, "--help"});
-    EXPECT_EQ(r.status, 0);
-    EXPECT_EQ(r.err, "");
-    const std::size_t at = r.out.find("\nExamples:\n");
-    ASSERT_NE(at, std::string::npos);
-    // A command at an indent of 2, what it does below at an indent of 6.
-    std::istringstream lines(r.out.substr(at));
-    int examples = 0;
-    for (std::string line, last; std::getline(lines, line); last = line)
-      examples += last.starts_with("  ") && last[2] != ' ' && last.find("envmap") != std::string::npos &&
-                  line.starts_with("      ");
-    EXPECT_GE(examples, 2) << r.out;
-  }
-}
-
-// Which is neither below nor above any limit: `compare --golden --max-rms nan` would find everything alike.
-TEST_F(Help, NoNumberOfARangeMayBeNan) {
-  static const std::regex option(R"(\\fB(\\-\\-[a-z\\-]+)\\fR \\fI[^\n]*\n[^\n]* Number(,| from))");
-  int options = 0;
-  for (const std::string& command : commands()) {
-    const std::string page = read("envmap-" + command + ".1");
-    for (std::sregex_iterator found(page.begin(), page.end(), option); found != std::sregex_iterator();
-         ++found, ++options) {
-      const std::string flag = std::regex_replace((*found)[1].str(), std::regex(R"(\\)"), "");
-      for (const char* nan : {"nan", "-NaN"}) fails(2, {command, flag + "=" + nan}, {flag, "must be a number"});
-    }
-  }
-  EXPECT_GE(options, 30);
-}
-
-TEST_F(Help, KnowsTheVersion) {
-  const Result r = envmap({"--version"});
-  EXPECT_EQ(r.status, 0);
-  EXPECT_TRUE(std::regex_match(
-      r.out, std::regex("envmap \\d+\\.\\d+\\.\\d+( \\([0-9a-f]{7,}\\+?\\))?\nwith OpenEXR \\d[^\n]*, zstd \\d\\S*\n"
-                        "draws with (EGL|OSMesa), [^\n]+, OpenGL \\d[^\n]*\n")))
-      << r.out;
-}
-
-TEST_F(Help, IsWhatTheRepositorysPagesSay) {
-  succeeds({"manual", "."});
-  std::map<std::string, std::string> kept;
-  ASSERT_TRUE(std::filesystem::is_directory(ENVMAP_MAN_DIR));
-  const auto made = files();
-  for (const auto& entry : std::filesystem::directory_iterator(ENVMAP_MAN_DIR))
-    if (const std::string name = entry.path().filename().string(); name.ends_with(".1") || made.contains(name))
-      kept[name] = bytes_of(entry.path());
-  EXPECT_EQ(kept, made) << "run 'envmap manual man' in the repository";
-}
-
-// A terminal made by script(1) sees how far the work is, how fast it goes and how long it will take;
-// a file sees nothing.
-TEST_F(Help, LongWorkTellsATerminalHowLongItTakes) {
-#ifdef ENVMAP_SANITIZED
-  GTEST_SKIP() << "too slow to get anywhere in time";
-#endif
-  if (shell("command -v script").status != 0) GTEST_SKIP() << "script is not installed";
-  succeeds({"generate", "sky", "sky.exr", "--size", "512"});
-  const std::string job = "\"$ENVMAP\" prefilter sky.exr x.exr --method exact --size 24";
-  const Result seen = shell("script -qec 'timeout 4 " + job + "' /dev/null");
-  EXPECT_TRUE(std::regex_search(seen.out, std::regex(R"(prefilter diffuse +\d+%, [\d.e-]+%/s, [\d:]+ (s|min|h) left)")))
-      << seen.out;
-  EXPECT_EQ(shell("timeout 2 " + job).err, "");
-  EXPECT_EQ(names(), std::vector<std::string>{"sky.exr"});
-}
-
-TEST_F(Help, HasPagesThatMandocAccepts) {
-  if (shell("command -v mandoc").status != 0) GTEST_SKIP() << "mandoc is not installed";
-  succeeds({"manual", "."});
-  const Result r =
-      shell("mandoc -T lint -W error *.1 " + std::string(ENVMAP_MAN_DIR) + "/*.3 " + ENVMAP_MAN_DIR + "/*.7");
-  EXPECT_EQ(r.status, 0) << r.out << r.err;
-}
-
-// A table that is too wide, or a line that cannot be broken.
-TEST_F(Help, HasPagesThatFit80Columns) {
-  if (shell("command -v groff tbl").status != 0) GTEST_SKIP() << "groff is not installed";
-  succeeds({"manual", "."});
-  const std::string folder = ENVMAP_MAN_DIR;
-  EXPECT_EQ(shell("for p in *.1 *.7 " + folder + "/*.3 " + folder +
-                  "/*.7; do groff -t -man -Tutf8 -rLL=78n $p >out || echo $p; done")
-                .err,
-            "");
-}
-
-TEST_F(Help, CompletesInBash) {
-  const Result script = envmap({"completion"});
-  EXPECT_EQ(script.status, 0);
-  write("envmap.bash", script.out);
-  ASSERT_EQ(shell("bash -n envmap.bash").status, 0);
-  const auto completed = [&](const std::string& words, int at) {
-    write("try.bash", "source ./envmap.bash\nCOMP_WORDS=(" + words + ")\nCOMP_CWORD=" + std::to_string(at) +
-                          "\n_envmap\necho \"${COMPREPLY[*]}\"\n");
-    return shell("bash try.bash").out;
-  };
-  EXPECT_EQ(completed("envmap conv", 1), "convert\n");
-  EXPECT_EQ(completed("envmap convert --to cu", 3), "cube\n");
-  EXPECT_EQ(completed("envmap convert --repa", 2), "--repair\n");
-  EXPECT_EQ(completed("envmap generate di", 2), "directions\n");
-  EXPECT_EQ(completed("envmap convert --output-space ACESc", 3), "ACEScg\n");
-  std::istringstream spaces(completed("envmap convert --output-space ''", 3));
-  succeeds({"generate", "constant", "one.exr", "--size", "2"});
-  int count = 0;
-  for (std::string space; spaces >> space; ++count)
-    succeeds({"convert", "one.exr", "out.exr", "--output-space", space, "--encoded"});
-  EXPECT_EQ(count, 8);
-  EXPECT_EQ(completed("envmap convert --size ''", 3), "\n") << "a number is expected, no option";
-}
-
-TEST_F(Help, CompletesInFish) {
-  if (shell("command -v fish").status != 0) GTEST_SKIP() << "fish is not installed";
-  succeeds_and_prints({"completion", "fish"}, "envmap.fish");
-  const auto completed = [&](const std::string& line) {
-    // One completion a line, with its description after a tab.
-    return shell("HOME=$PWD fish --no-config -c 'source envmap.fish; complete -C \"" + line + "\"' | cut -f 1").out;
-  };
-  EXPECT_EQ(completed("envmap conv"), "convert\n");
-  EXPECT_EQ(completed("envmap convert --to cu"), "cube\n");
-  // fish 4 adds what holds these letters apart: --ignore-envmap-attribute.
-  EXPECT_EQ(completed("envmap convert --repa").rfind("--repair\n", 0), 0U);
-  EXPECT_EQ(completed("envmap generate directi"), "directions\n");
-}
-
-TEST_F(Help, CompletesInZsh) {
-  if (shell("command -v zsh").status != 0) GTEST_SKIP() << "zsh is not installed";
-  succeeds_and_prints({"completion", "zsh"}, "_envmap");
-  // zsh completes at a terminal alone: it is given one, a line and a tab, and what stands there then is echoed.
-  const auto completed = [&](const std::string& line) {
-    write("try.zsh", R"(zmodload zsh/zpty
-zpty shell zsh -f -i
-zpty -w shell 'PS1= fpath=($PWD $fpath); unsetopt zle_bracketed_paste; autoload -U compinit; compinit -u -D; stty -echo; show() { print -r - "<$BUFFER>"; BUFFER=; zle accept-line }; zle -N show; bindkey "^X" show; echo ready'
-zpty -r -m shell text $'*ready\r\n*'
-zpty -w -n shell $')" + line +
-                         R"(\t\C-x'
-zpty -r -m shell text '*<*>*'
-[[ $text =~ '<([^>]*)>' ]] && print -r - $match[1]
-)");
-    return shell("HOME=$PWD timeout 20 zsh -f try.zsh").out;
-  };
-  EXPECT_EQ(completed("envmap conv"), "envmap convert \n");
-  EXPECT_EQ(completed("envmap convert --to cu"), "envmap convert --to cube \n");
-  EXPECT_EQ(completed("envmap convert --repa"), "envmap convert --repair \n");
-  EXPECT_EQ(completed("envmap generate directi"), "envmap generate directions \n");
-}
-
 }  // namespace
-}  // namespace command_tests::report_test
+}  // namespace command_tests::compare_test

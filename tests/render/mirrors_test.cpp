@@ -1,15 +1,16 @@
 // Mirrors in a picture, against rays reflected from them into a room with a known answer.
+#include "envmap/scenes/render/mirrors.h"
+
 #include <gtest/gtest.h>
 
 #include "drawing.h"
 #include "envmap/operate/generate.h"
 #include "envmap/operate/measure.h"
-#include "envmap/scenes/render/mirrors.h"
 #include "envmap/scenes/render/rays/raycast.h"
 #include "envmap/scenes/render/shading/shading.h"
 #include "rooms.h"
 
-namespace view_test {
+namespace mirrors_test {
 namespace {
 
 using namespace envmap;
@@ -82,8 +83,9 @@ float furthest(const std::vector<Colour>& a, const std::vector<Colour>& b) {
   return most;
 }
 
-class View : public ::testing::TestWithParam<Projection> {};
-INSTANTIATE_TEST_SUITE_P(Maps, View, ::testing::Values(Projection::sphere, Projection::paraboloid, Projection::cube),
+class EachMirrorMap : public ::testing::TestWithParam<Projection> {};
+INSTANTIATE_TEST_SUITE_P(Maps, EachMirrorMap,
+                         ::testing::Values(Projection::sphere, Projection::paraboloid, Projection::cube),
                          [](const auto& p) { return identifier(p.param); });
 
 // The mean colour that a pixel shows of the room in a ball; none where it shows the outline, or something else.
@@ -132,11 +134,11 @@ double wrong_on_ball(Projection to, MirrorLookup lookup, const Direction& centre
 }
 
 // Within a texel of the map on the least of walls.
-TEST_P(View, ABallShowsTheRoomFromItsCentre) {
+TEST_P(EachMirrorMap, ABallShowsTheRoomFromItsCentre) {
   EXPECT_LT(wrong_on_ball(GetParam(), MirrorLookup::direction, {0.1, -0.2, -0.3}), 0.06);
 }
 
-TEST_P(View, ABallShowsWhatItsRaysMeet) {
+TEST_P(EachMirrorMap, ABallShowsWhatItsRaysMeet) {
   EXPECT_LT(wrong_on_ball(GetParam(), MirrorLookup::distance, {0.1, -0.2, -0.3}), 0.04);
   EXPECT_LT(wrong_on_ball(GetParam(), MirrorLookup::distance, {-0.5, -0.78, -0.6}), 0.06) << "close to the floor";
 }
@@ -195,7 +197,7 @@ void for_each_pixel_of_ball(F f) {
 }
 
 // What is infinitely far is where the ray goes, wherever that starts.
-TEST_P(View, TheSkyIsLookedUpByDirection) {
+TEST_P(EachMirrorMap, TheSkyIsLookedUpByDirection) {
   Outdoors stage(generate(Directions{}, Projection::cube, 64), GetParam());
   const std::vector<Colour> picture = stage.picture();
   for_each_pixel_of_ball([&](std::size_t k, const std::vector<Direction>& mirrored) {
@@ -207,7 +209,7 @@ TEST_P(View, TheSkyIsLookedUpByDirection) {
 
 // A sun of one texel of the sky, the only light: each pixel has its mean, with one sample and with many, however coarse
 // the map is.
-TEST_P(View, ALoneSunIsAsSharpAsTheSky) {
+TEST_P(EachMirrorMap, ALoneSunIsAsSharpAsTheSky) {
   for (const auto& [i, j] : {std::pair(75, 24), {100, 31}, {64, 30}}) {
     EnvironmentMap map = generate(Constant{Direction(0)}, Projection::latlong, 64);
     *map.base().texel(0, i, j) = Colour(1000);
@@ -237,7 +239,7 @@ Scene box_before_the_sky(float wall) {
   return scene;
 }
 
-TEST_P(View, WhiteBeforeWhiteHasNoEdge) {
+TEST_P(EachMirrorMap, WhiteBeforeWhiteHasNoEdge) {
   for (const int map_size : {0, 48, 512}) {
     Outdoors stage(generate(Constant{Direction(1)}, Projection::cube, 16), GetParam(), box_before_the_sky(1));
     for (const Colour& c : stage.picture({}, 1, {.size = map_size})) EXPECT_NEAR(c.x, 1, 2e-3) << map_size;
@@ -245,7 +247,7 @@ TEST_P(View, WhiteBeforeWhiteHasNoEdge) {
 }
 
 // As much of the sky as rays see, and nothing darker than the walls or brighter than the sky along its edges.
-TEST_P(View, EdgesBeforeABrightSkyAreInBetween) {
+TEST_P(EachMirrorMap, EdgesBeforeABrightSkyAreInBetween) {
   Outdoors stage(generate(Constant{Direction(100)}, Projection::cube, 16), GetParam(), box_before_the_sky(1));
   const std::vector<Colour> picture = stage.picture();
   const Shot shot{.scene = stage.scene, .pose = pose(stage.scene, 0), .environment = &*stage.sky};
@@ -261,7 +263,7 @@ TEST_P(View, EdgesBeforeABrightSkyAreInBetween) {
   EXPECT_NEAR(light / right, 1, 0.02);
 }
 
-TEST_P(View, NoSunShinesIntoAClosedRoom) {
+TEST_P(EachMirrorMap, NoSunShinesIntoAClosedRoom) {
   Scene closed = hall({Outdoors::ball_at});
   for (Material& m : closed.materials)
     if (m.metallic == 0) m.ior = 1;
@@ -271,7 +273,7 @@ TEST_P(View, NoSunShinesIntoAClosedRoom) {
 }
 
 // Half of the sky's light goes through.
-TEST_P(View, BlendedSurfacesBeforeTheSkyAreSeen) {
+TEST_P(EachMirrorMap, BlendedSurfacesBeforeTheSkyAreSeen) {
   Scene scene = Outdoors::open_hall();
   scene.materials.push_back({.base_colour = {0, 0, 0, 0.5F}, .roughness = 1, .ior = 1, .blended = true});
   scene.meshes.push_back(rooms::ball(24, 3));
@@ -292,7 +294,7 @@ TEST_P(View, BlendedSurfacesBeforeTheSkyAreSeen) {
 // A sun of one texel of the sky, smaller than those of the map, wherever it stands: of the light of all directions
 // the map has as much as the sky. Towards the rim of a sphere map texels are long. By one sample a texel the light was
 // up to ten times too low and twice too high.
-TEST_P(View, SmallSunsKeepTheirLight) {
+TEST_P(EachMirrorMap, SmallSunsKeepTheirLight) {
   context();
   Scene scene = hall({{0, 0, 0}});
   for (Node& node : scene.nodes)
@@ -312,7 +314,7 @@ TEST_P(View, SmallSunsKeepTheirLight) {
 }
 
 // Against rays: balls near each other and the walls, a box beside one, which rays pass behind.
-TEST_P(View, DistanceIsNearerToTheTruth) {
+TEST_P(EachMirrorMap, DistanceIsNearerToTheTruth) {
   Scene scene = hall({{0.35, -0.2, -0.3}, {-0.3, -0.6, -0.1}});
   scene.materials.push_back({.base_colour = {0, 0, 0, 1}, .roughness = 1, .emissive = Colour(0.9F, 0.1F, 0.1F)});
   scene.meshes.push_back(rooms::ball(16, 0.12));
@@ -335,7 +337,7 @@ TEST_P(View, DistanceIsNearerToTheTruth) {
   EXPECT_LT(distance, 0.52 * direction);
 }
 
-TEST_P(View, LeavingOutChangesNothing) {
+TEST_P(EachMirrorMap, LeavingOutChangesNothing) {
   Stage needed(hall({{0.3, -0.2, -0.3}, {-0.4, 0.1, -0.5}, {0, 0, 3}}), GetParam()), all(needed.scene, GetParam());
   for (int frame = 0; frame < 3; ++frame)
     for (const MirrorLookup lookup : {MirrorLookup::distance, MirrorLookup::direction})
@@ -345,7 +347,7 @@ TEST_P(View, LeavingOutChangesNothing) {
           << frame;
 }
 
-TEST_P(View, MirrorsSeeEachOther) {
+TEST_P(EachMirrorMap, MirrorsSeeEachOther) {
   const std::vector<Direction> two{{0.3, -0.1, -0.3}, {-0.3, -0.1, -0.3}};
   Stage one(hall({two[0]}), GetParam()), both(hall(two), GetParam());
   const std::vector<Colour> alone = one.picture(), together = both.picture();
@@ -362,7 +364,7 @@ TEST_P(View, MirrorsSeeEachOther) {
 }
 
 // The map round one of two balls: the other shows the room, and the first, which the map leaves out.
-TEST_P(View, MapsShowMirrorsToo) {
+TEST_P(EachMirrorMap, MapsShowMirrorsToo) {
   const std::vector<Direction> two{{0.3, -0.1, -0.3}, {-0.3, -0.1, -0.3}};
   Stage stage(hall(two), Projection::paraboloid);
   const Viewpoint from{.to = GetParam(), .size = size, .at = two[0], .without = 6};
@@ -389,7 +391,7 @@ TEST_P(View, MapsShowMirrorsToo) {
 }
 
 // By unfolding: from the middle of the room, where rays meet the ball and go on to the walls.
-TEST(Views, RaysOfMapsGoOnFromMirrors) {
+TEST(Mirrors, RaysOfMapsGoOnFromMirrors) {
   const Direction centre(0.3, -0.1, -0.3);
   const Scene scene = hall({centre});
   const Drawn map =
@@ -410,12 +412,12 @@ TEST(Views, RaysOfMapsGoOnFromMirrors) {
   EXPECT_GT(on_ball, 100);
 }
 
-TEST_P(View, TheSamePictureEachTime) {
+TEST_P(EachMirrorMap, TheSamePictureEachTime) {
   Stage a(hall({{0.1, -0.2, -0.3}}), GetParam()), b(a.scene, GetParam());
   EXPECT_EQ(furthest(a.picture(), b.picture()), 0);
 }
 
-TEST(Views, WhatStandsStillIsNotDrawnAgain) {
+TEST(Mirrors, WhatStandsStillIsNotDrawnAgain) {
   Stage stage(hall({{0.1, -0.2, -0.3}}), Projection::cube);
   const std::vector<Colour> first = stage.picture();
   EXPECT_TRUE(stage.only(MapUpdate::Outcome::drawn));
@@ -423,7 +425,7 @@ TEST(Views, WhatStandsStillIsNotDrawnAgain) {
   EXPECT_TRUE(stage.only(MapUpdate::Outcome::unchanged));
 }
 
-TEST(Views, ALampBelowAMirrorChangesWhatItShows) {
+TEST(Mirrors, ALampBelowAMirrorChangesWhatItShows) {
   Scene scene = hall({{0.1, -0.2, -0.3}});
   scene.nodes.push_back({.parent = 6, .local = glm::translate(Matrix(1), Direction(0.5, 0, 0))});
   scene.lights.push_back({.node = 7});
@@ -450,7 +452,7 @@ Scene plate(float facing) {
   return scene;
 }
 
-TEST(Views, AFlatMirrorTakesOneHalfAndNothingFromBehind) {
+TEST(Mirrors, AFlatMirrorTakesOneHalfAndNothingFromBehind) {
   Stage front(plate(1), Projection::paraboloid), back(plate(-1), Projection::paraboloid);
   front.picture();
   EXPECT_TRUE(front.only(MapUpdate::Outcome::drawn));
@@ -460,7 +462,7 @@ TEST(Views, AFlatMirrorTakesOneHalfAndNothingFromBehind) {
 }
 
 // The mirror turns round, and so does who looks at it: then nobody needs what it showed.
-TEST(Views, FacesThatAreNoLongerNeededShowTheEnvironment) {
+TEST(Mirrors, FacesThatAreNoLongerNeededShowTheEnvironment) {
   context();
   Scene scene = plate(1);
   Renderer renderer(scene, nullptr, {6});
@@ -477,7 +479,7 @@ TEST(Views, FacesThatAreNoLongerNeededShowTheEnvironment) {
 }
 
 // In every pixel of the plate, beside its outline, where the flat mirror's rays meet the room.
-TEST_P(View, AFlatMirrorShowsTheMirroredRoom) {
+TEST_P(EachMirrorMap, AFlatMirrorShowsTheMirroredRoom) {
   Stage stage(plate(1), GetParam());
   const std::vector<Colour> picture = stage.picture();
   const Viewpoint from = camera();
@@ -493,7 +495,7 @@ TEST_P(View, AFlatMirrorShowsTheMirroredRoom) {
 
 // A second mirror in the plane z = 0.9 that faces the first one. In the map of the first, what it reflects of the walls
 // is as far away as their image, and a lamp leaves no glint, which would be smeared over texels.
-TEST(Views, AMirrorInAMapIsAsFarAwayAsItsImage) {
+TEST(Mirrors, AMirrorInAMapIsAsFarAwayAsItsImage) {
   Scene scene = plate(1);
   Mesh second = scene.meshes[6];
   for (glm::vec3& p : second.positions) p = {-3 * p.x, 3 * p.y, 0.9F};
@@ -529,7 +531,7 @@ TEST(Views, AMirrorInAMapIsAsFarAwayAsItsImage) {
   EXPECT_LT(brightest, 3);
 }
 
-TEST(Views, LooksOfMaps) {
+TEST(Mirrors, LooksOfMaps) {
   Stage stage(hall({{0.1, -0.2, -0.3}}), Projection::paraboloid);
   const std::vector<Colour> plain = stage.picture();
   EXPECT_GT(furthest(plain, stage.picture({}, {.tinted = true})), 0.05);
@@ -537,7 +539,7 @@ TEST(Views, LooksOfMaps) {
   EXPECT_GT(furthest(plain, by_vertex), 0.02);
 }
 
-TEST(Views, RoughMetalBlursItsMap) {
+TEST(Mirrors, RoughMetalBlursItsMap) {
   Stage smooth(hall({{0.1, -0.2, -0.3}}), Projection::cube);
   Scene scene = smooth.scene;
   scene.materials.back().roughness = 1;
@@ -565,4 +567,4 @@ TEST(Views, RoughMetalBlursItsMap) {
 }
 
 }  // namespace
-}  // namespace view_test
+}  // namespace mirrors_test

@@ -1,13 +1,14 @@
 // Meshes that change their shape, against closed forms, and drawn by OpenGL against rays.
+#include "envmap/scenes/scene/skin_and_morph.h"
+
 #include "drawing.h"
 #include "envmap/scenes/lit_scene.h"
 #include "envmap/scenes/render/rays/raycast.h"
 #include "envmap/scenes/render/renderer.h"
-#include "envmap/scenes/scene/skin_and_morph.h"
 #include "gltf_file.h"
 #include "rooms.h"
 
-namespace deform_test {
+namespace skin_and_morph_test {
 namespace {
 
 using namespace envmap;
@@ -218,4 +219,4 @@ TEST_F(DeformTest, BrokenSkinsAreRefused) {
 }
 
 }  // namespace
-}  // namespace deform_test
+}  // namespace skin_and_morph_test

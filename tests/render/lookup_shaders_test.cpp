@@ -24,7 +24,7 @@
 #include "envmap/scenes/render/gl.h"
 #include "envmap/scenes/render/rays/raycast.h"
 
-namespace lookups_test {
+namespace lookup_shaders_test {
 namespace {
 
 using namespace envmap;
@@ -572,4 +572,4 @@ TEST(LookupsText, BothFoldersHoldTheSameTexels) {
 }
 
 }  // namespace
-}  // namespace lookups_test
+}  // namespace lookup_shaders_test

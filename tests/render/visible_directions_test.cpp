@@ -1,13 +1,14 @@
 // What a mirror shows, against rays reflected at random places of it.
+#include "envmap/scenes/render/visible_directions.h"
+
 #include <gtest/gtest.h>
 
 #include <random>
 
 #include "envmap/projection/visit.h"
-#include "envmap/scenes/render/visible_directions.h"
 #include "rooms.h"
 
-namespace envmap::needed_test {
+namespace envmap::visible_directions_test {
 namespace {
 
 using Vector4 = glm::vec<4, double, glm::highp>;
@@ -78,7 +79,7 @@ int expect_held(const Viewer& viewer, const Mesh& mesh, const Matrix& world, con
   return int(std::ranges::count(reached, true));
 }
 
-TEST(Needed, EveryRayOfAMirrorIsHeld) {
+TEST(VisibleDirections, EveryRayOfAMirrorIsHeld) {
   const Matrix place = glm::translate(Matrix(1), Direction(0.2, 0.1, -4)) * glm::scale(Matrix(1), Direction(1, 2, 0.5));
   for (const Direction& at : {Direction(0, 0, 3), Direction(0.5, 3, -3), Direction(2, 0, -4)}) {
     expect_held({at, {}}, rooms::ball(4), place, {});
@@ -90,7 +91,7 @@ TEST(Needed, EveryRayOfAMirrorIsHeld) {
   }
 }
 
-TEST(Needed, EveryRayOfALensIsHeld) {
+TEST(VisibleDirections, EveryRayOfALensIsHeld) {
   for (const double ior : {1.0, 1.33, 2.4}) {
     expect_held({{0.5, 3, -3}, {}}, plate(2, 0.3), Matrix(1), {ior, true});
     expect_held({{0.5, 3, -3}, {}}, rooms::ball(4), Matrix(1), {ior, false});
@@ -98,7 +99,7 @@ TEST(Needed, EveryRayOfALensIsHeld) {
   }
 }
 
-TEST(Needed, WhatIsOutOfSightNeedsNothing) {
+TEST(VisibleDirections, WhatIsOutOfSightNeedsNothing) {
   const Vector4 ahead(0, 0, -1, 0);  // The viewer at the origin sees -Z.
   EXPECT_TRUE(reflection_bounds({{0, 0, 0}, {ahead}}, rooms::ball(4), glm::translate(Matrix(1), Direction(0, 0, 5)), {})
                   .caps.empty());
@@ -107,7 +108,7 @@ TEST(Needed, WhatIsOutOfSightNeedsNothing) {
   expect_held({{0, 0, 0}, {ahead}}, rooms::ball(4), glm::translate(Matrix(1), Direction(0, 0, -0.5)), {});
 }
 
-TEST(Needed, AFlatMirrorTakesOneHalfAndABallTakesAll) {
+TEST(VisibleDirections, AFlatMirrorTakesOneHalfAndABallTakesAll) {
   const Shown shown = reflection_bounds({{0, 2, 3}, {}}, plate(1, 0), Matrix(1), {});
   EXPECT_NEAR(shown.widening, 1, 1e-9);
   const std::vector<DirectionCone>& flat = shown.caps;
@@ -120,7 +121,7 @@ TEST(Needed, AFlatMirrorTakesOneHalfAndABallTakesAll) {
   EXPECT_GT(enclosing(reflection_bounds({{0, 0, 3}, {}}, rooms::ball(16), Matrix(1), {}).caps).angle, pi / 2);
 }
 
-TEST(Needed, AFaceIsReachedWhereACapTouchesIt) {
+TEST(VisibleDirections, AFaceIsReachedWhereACapTouchesIt) {
   const auto reached = [](const Direction& axis, double angle) {
     return reached_faces(std::vector{DirectionCone{glm::normalize(axis), angle}}, Rotation(1), 0);
   };
@@ -132,4 +133,4 @@ TEST(Needed, AFaceIsReachedWhereACapTouchesIt) {
 }
 
 }  // namespace
-}  // namespace envmap::needed_test
+}  // namespace envmap::visible_directions_test
