@@ -92,15 +92,13 @@ void look_up(const EnvironmentLookup& look, const T* directions, std::span<const
 }
 
 template <class T>
-py::array_t<float> lookup(const EnvironmentLookup& look, const py::array_t<T, py::array::c_style>& directions,
-                          const Values& levels) {
-  py::array_t<float, py::array::c_style> out({directions.shape(0), py::ssize_t{3}});
+void lookup(const EnvironmentLookup& look, const py::array_t<T, py::array::c_style>& directions, const Values& levels,
+            py::array_t<float, py::array::c_style> out) {
   const std::span<Colour> values(reinterpret_cast<Colour*>(out.mutable_data()), std::size_t(directions.shape(0)));
   const std::span<const double> level(levels.data(), std::size_t(levels.size()));
   const T* const first = directions.data();
   const py::gil_scoped_release others;
   look_up(look, first, level, values);
-  return out;
 }
 
 EnvironmentLookup lookup_of(const Map& map) {

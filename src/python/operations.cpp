@@ -62,7 +62,7 @@ std::pair<Map, std::int64_t> repair_map(const Map& map) {
 
 // A difference as a tuple: flux, rms, max, worst, worst_level, levels.
 py::tuple tuple_of(const Difference& d, int level, py::list levels) {
-  return py::make_tuple(triple(d.flux), d.rms, d.maximum, index_of(d.worst), level, std::move(levels));
+  return py::make_tuple(tuple(d.flux), d.rms, d.maximum, index_of(d.worst), level, std::move(levels));
 }
 
 py::tuple compare_maps(const Map& a, const Map& b) {
@@ -76,11 +76,11 @@ py::dict measures_of(const Map& map, const Triple& towards) {
   using namespace py::literals;
   const Direction normal = direction_of("towards", towards);
   const auto [m, light] = carry_out([=] { return std::pair{measure(*map), irradiance(*map, normal)}; });
-  return py::dict("minimum"_a = triple(m.minimum), "maximum"_a = triple(m.maximum), "mean"_a = triple(m.mean),
-                  "flux"_a = triple(m.flux), "solid_angle"_a = m.solid_angle, "darkest"_a = m.darkest,
+  return py::dict("minimum"_a = tuple(m.minimum), "maximum"_a = tuple(m.maximum), "mean"_a = tuple(m.mean),
+                  "flux"_a = tuple(m.flux), "solid_angle"_a = m.solid_angle, "darkest"_a = m.darkest,
                   "brightest"_a = m.brightest, "brightest_index"_a = index_of(m.brightest_texel),
-                  "brightest_direction"_a = triple(m.brightest_direction), "brightest_texels"_a = m.brightest_texels,
-                  "brightest_value"_a = triple(Rgb<double>(m.brightest_value)), "irradiance"_a = triple(light),
+                  "brightest_direction"_a = tuple(m.brightest_direction), "brightest_texels"_a = m.brightest_texels,
+                  "brightest_value"_a = tuple(Rgb<double>(m.brightest_value)), "irradiance"_a = tuple(light),
                   "illuminance"_a = glm::dot(light, luminance_weights(rec709)));
 }
 

@@ -23,8 +23,9 @@ using Triple = std::array<double, 3>;
 inline Map shared(envmap::EnvironmentMap&& map) { return std::make_shared<envmap::EnvironmentMap>(std::move(map)); }
 inline envmap::Rgb<double> rgb(const Triple& t) { return {t[0], t[1], t[2]}; }
 inline Triple triple(const envmap::Rgb<double>& c) { return {c.x, c.y, c.z}; }
+inline pybind11::tuple tuple(const envmap::Rgb<double>& c) { return pybind11::make_tuple(c.x, c.y, c.z); }
 /// Face, row and column, as numpy indexes a map.
-inline std::array<int, 3> index_of(const envmap::Texel& t) { return {t.face, t.j, t.i}; }
+inline pybind11::tuple index_of(const envmap::Texel& t) { return pybind11::make_tuple(t.face, t.j, t.i); }
 
 /// @throws UsageError with the parameter where it is no direction.
 inline envmap::Direction direction_of(const std::string& parameter, const Triple& t) {

@@ -44,7 +44,6 @@ def test_examples_run(name, tmp_path, monkeypatch):
 @pytest.mark.parametrize('name', PUBLIC)
 def test_docstrings_are_complete(name):
     function, document = getattr(envmap, name), getattr(envmap, name).__doc__
-    sections = [part.split('\n----')[0].split('\n')[-1].strip() for part in document.split('    ---')[:-1]]
     parameters = [p for p in inspect.signature(function).parameters]
     assert '>>> ' in document and 'Examples' in document
     assert document.split('\n')[0].endswith('.')
@@ -52,7 +51,7 @@ def test_docstrings_are_complete(name):
         section = document.split('    Parameters\n    ----------\n')[1].split('\n\n    ')[0]
         told = [word.strip(' *') for line in section.split('\n') if line.startswith('    ') and not line.startswith('     ')
                 for word in line.split(' : ')[0].split(',')]
-        assert told == parameters, sections
+        assert told == parameters
     if inspect.get_annotations(inspect.unwrap(function))['return'] is not None:
         assert '    Returns\n    -------\n' in document
 
@@ -194,18 +193,18 @@ def test_strides_of_every_kind():
 
 
 def test_import_is_nearly_a_copy():
-    """At most twice the time of numpy's copy, with room for a busy machine."""
-    a = np.random.default_rng(1).uniform(0, 1, (1024, 2048, 3)).astype(np.float32)
+    """Less than twice the time of numpy's copy on an idle machine; here processor time, with room for a busy one."""
+    a = np.random.default_rng(1).uniform(0, 1, (2048, 4096, 3)).astype(np.float32)
 
     def best(call):
         times = []
         for _ in range(7):
-            begin = time.perf_counter()
+            begin = time.process_time()
             kept = call()
-            times.append(time.perf_counter() - begin)
+            times.append(time.process_time() - begin)
             del kept
         return min(times)
-    assert best(lambda: envmap.Map(a)) < 4 * best(lambda: a.copy())
+    assert best(lambda: envmap.Map(a)) < 3 * best(lambda: a.copy())
 
 
 # ---- maps -----------------------------------------------------------------------------------------------------------
@@ -238,7 +237,7 @@ def test_previews_are_pictures():
     picture = envmap.preview(sky, 16)
     assert picture.shape == (16, 32, 3) and picture.dtype == np.uint8
     np.testing.assert_array_equal(decoded(sky._repr_png_()), sky.preview())
-    grey = envmap.preview(envmap.Map(np.full((8, 16, 3), 0.18)))  # The median of luminance is 0.18 already.
+    grey = envmap.preview(envmap.Map(np.full((8, 16, 3), 0.7)), tone='clip')  # The median of luminance becomes 0.18.
     assert set(grey.ravel()) <= {117, 118, 119}  # sRGB of 0.18 is 0.4613.
     clipped = envmap.preview(np.full((8, 16, 3), 0.25), exposure=1, tone='clip')
     assert set(clipped.ravel()) == {188}  # sRGB of 0.5 is 0.7354.
@@ -368,7 +367,10 @@ def test_other_signals_are_handled_meanwhile():
     try:
         timer = threading.Timer(0.1, lambda: os.kill(os.getpid(), signal.SIGUSR1))
         timer.start()
-        envmap.prefilter(noise(128), 'ggx', roughness=0.3, size=64, method='exact')
+        for _ in range(200):
+            envmap.prefilter(noise(32), size=8, method='exact')
+            if heard:
+                break
         timer.join()
     finally:
         signal.signal(signal.SIGUSR1, former)
@@ -453,7 +455,7 @@ def test_shader_harmonics_are_irradiance():
 
 def test_shader_harmonics_are_those_that_bake_writes(tmp_path):
     sun = envmap.generate('sun', size=64, direction=(1, 2, 3), radius=10, radiance=(100, 90, 80))
-    envmap.bake(sun, 'filament', tmp_path / 'f', quality='draft')
+    envmap.bake(sun, 'glsl', tmp_path / 'f', quality='draft')  # Its shader takes Filament's colours.
     text = (tmp_path / 'f' / 'irradiance.txt').read_text()
     written = np.array([float(x) for x in re.findall(r'-?\d+\.?\d*(?:e[-+]\d+)?', text)][:27]).reshape(9, 3)
     np.testing.assert_allclose(envmap.shader_sh(sun, 'filament'), written, rtol=1e-5, atol=1e-6)
@@ -520,7 +522,7 @@ def test_photographs_are_those_of_the_command(tmp_path):
     sky = envmap.Map(noise(64))
     envmap.write(tmp_path / 'sky.exr', sky)
     subprocess.run([os.environ['ENVMAP_PROGRAM'], 'convert', 'sky.exr', 'picture.exr', '--to', 'perspective', '--fov', '50', '--size', '48', '--width', '48',
-                    '--filter', 'bilinear', '--depth', 'float', '--quiet'], cwd=tmp_path, check=True)
+                    '--filter', 'bilinear', '--quiet'], cwd=tmp_path, check=True)
     picture = envmap.photograph(sky, fov=50, width=48, height=48)
     assert picture.shape == (48, 48, 3) and picture.dtype == np.float32
     np.testing.assert_array_equal(picture, envmap.read(tmp_path / 'picture.exr', projection='equal-area').array)  # Any square will do.

@@ -23,6 +23,10 @@ F = TypeVar("F", bound=Callable[..., Any])
 class Unfit(Exception):
     """A value is not what an argument may be. The text says what may: "a whole number"."""
 
+    def __init__(self, words: str, hint: str = "") -> None:
+        super().__init__(words)
+        self.hint = hint
+
 
 def shown(value: Any) -> str:
     """Returns a short description of a value: never what is in an array."""
@@ -120,7 +124,7 @@ def place(value: Any) -> str | tuple[float, float, float]:
 def file_name(value: Any) -> bytes:
     """A name of a file as the system takes it."""
     if isinstance(value, (bytes, bytearray)):
-        raise Unfit("a str or an os.PathLike: os.fsdecode() makes one of bytes")
+        raise Unfit("a str or an os.PathLike", ": os.fsdecode() makes a name of them")
     try:
         name = os.fspath(value)
     except TypeError:
@@ -202,18 +206,14 @@ def _misfit(name: str, parameters: Mapping[str, inspect.Parameter], kwargs: Mapp
     return error
 
 
-def wrong(name: str, argument: str, what: object, value: object) -> ArgumentError:
-    """Returns the error about an argument that is of a wrong type."""
-    error = ArgumentError(f"{name}(): {argument} must be {what}, not {shown(value)}")
-    error.field = argument
-    return error
-
-
 def checked(name: str, argument: str, check: Callable[[Any], Any], value: object) -> Any:
+    """Returns what check() makes of an argument. @raises ArgumentError where it is unfit."""
     try:
         return check(value)
-    except Unfit as what:
-        raise wrong(name, argument, what, value) from None
+    except Unfit as unfit:
+        error = ArgumentError(f"{name}(): {argument} must be {unfit}, not {shown(value)}{unfit.hint}")
+    error.field = argument
+    raise error
 
 
 def public(function: F) -> F:
@@ -230,9 +230,9 @@ def public(function: F) -> F:
             given = signature.bind(*args, **kwargs)
         except TypeError as reason:
             raise _misfit(name, {} if takes_any else parameters, {} if takes_any else kwargs, reason) from None
+        given.apply_defaults()
         for argument, check in checks.items():
-            if argument in given.arguments:
-                given.arguments[argument] = checked(name, argument, check, given.arguments[argument])
+            given.arguments[argument] = checked(name, argument, check, given.arguments[argument])
         return function(*given.args, **given.kwargs)
 
     call.__module__ = "envmap"

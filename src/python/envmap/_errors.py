@@ -104,7 +104,7 @@ _ADVICE = {
 
 _NUMBERS = (errno.ENOENT, errno.EACCES, errno.EPERM, errno.EISDIR, errno.ENOTDIR, errno.ENOSPC, errno.EROFS, errno.EFBIG, errno.EIO,
             errno.ENAMETOOLONG, errno.ELOOP, errno.EMFILE, errno.EDQUOT)
-_PHRASES = (("no such file", errno.ENOENT), ("is a folder", errno.EISDIR), *((os.strerror(n), n) for n in _NUMBERS))
+_PHRASES = (("no such file", errno.ENOENT), ("no such folder", errno.ENOENT), ("is a folder", errno.EISDIR), *((os.strerror(n), n) for n in _NUMBERS))
 
 
 def _errno_of(message: str) -> int | None:

@@ -30,7 +30,6 @@ def generate(kind: Kind, to: Projection = "latlong", size: Whole = 64, forward: 
     ----------
     kind : str
         A pattern and its parameters, colours as a number or three, directions as three numbers:
-
         - 'constant': radiance (default: 1).
         - 'gradient': bottom (0.1), top (1).
         - 'checker': squares (8), even (1), odd (0.1).

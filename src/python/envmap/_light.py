@@ -380,9 +380,11 @@ class Lookup:
                 raise UsageError(f"levels {levels.shape} do not fit directions {given.shape}") from None
         rows, levels = given.reshape(-1, 3), numpy.ascontiguousarray(levels.reshape(-1))
         look = self._core.floats if rows.dtype == numpy.float32 else self._core.doubles
-        parts = [look(rows[k:k + _AT_ONCE], levels if len(levels) == 1 else levels[k:k + _AT_ONCE]) for k in range(0, len(rows), _AT_ONCE)]
-        found = numpy.concatenate(parts) if len(parts) != 1 else parts[0]
-        return found.reshape(given.shape)  # type: ignore[no-any-return]
+        found = numpy.empty(rows.shape, numpy.float32)
+        for k in range(0, len(rows), _AT_ONCE):
+            some = slice(k, k + _AT_ONCE)
+            look(rows[some], levels if len(levels) == 1 else levels[some], found[some])
+        return found.reshape(given.shape)
 
     def _levels_of(self, roughness: Any) -> NDArray[numpy.float64]:
         known = self._of.roughness if isinstance(self._of, Prefiltered) else None

@@ -221,7 +221,7 @@ def _floats(function: str, given: object) -> NDArray[numpy.float32]:
 
 def floats_of(given: object) -> NDArray[numpy.float32]:
     if isinstance(getattr(given, "map", None), Map):
-        raise Unfit(WANTED + " (take its .map)")
+        raise Unfit(WANTED, ": take its .map")
     if given is None or isinstance(given, (str, bytes, bytearray, dict)):
         raise Unfit(WANTED)
     try:

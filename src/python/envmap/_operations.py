@@ -412,7 +412,7 @@ def directions(projection: Projection, size: Whole, forward: Forward = "+z") -> 
     --------
     >>> import envmap, numpy
     >>> d = envmap.directions("latlong", 256)
-    >>> sky = envmap.Map(numpy.where(d[..., 1:] > 0, (0.2, 0.4, 1.0), (0.1, 0.1, 0.1)))   # Blue above, grey below.
+    >>> sky = envmap.Map(numpy.where(d[..., 1:2] > 0, (0.2, 0.4, 1.0), (0.1, 0.1, 0.1)))   # Blue above, grey below.
     >>> round(float(sky.array[0, 0, 2]), 3)
     1.0
     """
