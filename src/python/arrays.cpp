@@ -69,7 +69,7 @@ bool copy_row(const Pixels& from, int face, int j, std::span<Colour> to) {
   return doubt != 0;
 }
 
-// @param a (height, width, 3), of several faces (faces, height, width, 3). @param doubt set where a value may be a flaw.
+// @param a (height, width, 3), of several faces (faces, height, width, 3). @param doubt set where a flaw may be.
 Level level_of_array(Projection p, const Array& a, std::atomic<bool>& doubt) {
   const auto n = a.ndim();
   Level level(p, int(a.shape(n - 3)), int(a.shape(n - 2)));

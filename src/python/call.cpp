@@ -1,10 +1,13 @@
 #include "call.h"
 
 #include <ImfThreading.h>
+#include <unistd.h>
 
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
+#include <cstdio>
+#include <cstdlib>
 #include <mutex>
 #include <stop_token>
 #include <thread>
@@ -16,7 +19,7 @@ namespace py = pybind11;
 using namespace std::chrono_literals;
 using envmap::Cancelled;
 
-constexpr auto between_signals = 50ms, time_to_end = 300ms;
+constexpr auto between_signals = 50ms, time_to_end = 300ms, time_to_clean_up = 1000ms;
 
 // Tasks that were left behind, and still run.
 class LeftBehind {
@@ -43,6 +46,20 @@ class LeftBehind {
 LeftBehind& left_behind() {
   static auto& all = *new LeftBehind;  // Tasks may end after the destructors of statics.
   return all;
+}
+
+// Ends the process where a task still runs: destructors of statics would take from it what it uses. Python has ended
+// before, and so have handlers that were registered later.
+void leave_tasks(int status, void*) {
+  if (left_behind().wait_for(time_to_clean_up)) return;
+  std::fflush(nullptr);
+  ::_exit(status);
+}
+
+void leave_behind() {
+  static const int registered = ::on_exit(leave_tasks, nullptr);
+  (void)registered;
+  left_behind().add();
 }
 
 std::atomic<int> running = 0;  // Tasks, those that were left behind among them.
@@ -95,7 +112,7 @@ class Work {
     std::unique_lock lock(mutex_);
     if (changed_.wait_for(lock, time_to_end, [&] { return done_; })) return true;
     is_left_ = true;
-    left_behind().add();
+    leave_behind();
     return false;
   }
   void rethrow() const {
@@ -173,17 +190,7 @@ void run_task(const py::object& progress, std::function<void(const envmap::Run&)
   work->rethrow();
 }
 
-void add_ends(py::module_& module) {
-  module.def("wait", [] {
-    bool ended = false;
-    while (!ended) {
-      {
-        const py::gil_scoped_release others;
-        ended = left_behind().wait_for(between_signals);
-      }
-      check_signals();
-    }
-  });
+void add_before_fork(py::module_& module) {
   // OpenEXR keeps threads, which a forked process would wait for without having them. The next file starts them again.
   module.def("before_fork", [] {
     if (running == 0) Imf::setGlobalThreadCount(0);

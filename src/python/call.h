@@ -45,7 +45,7 @@ auto carry_out(F task) {
   return carry_out(pybind11::none(), std::move(task));
 }
 
-/// Adds wait(), which returns when all tasks that were left behind have ended, and before_fork().
-void add_ends(pybind11::module_& module);
+/// Adds before_fork(), which a process that forks calls.
+void add_before_fork(pybind11::module_& module);
 
 }  // namespace envmap_python

@@ -26,7 +26,7 @@ void in_parallel(std::size_t count, const std::function<void(std::size_t begin, 
 PYBIND11_MODULE(_envmap, m) {
   translate_errors();
   m.attr("__version__") = ENVMAP_VERSION_TEXT;
-  add_ends(m);
+  add_before_fork(m);
   add_words(m);
   add_map(m);
   add_files(m);

@@ -23,10 +23,10 @@ void raise(const Error& e) {
   const auto* const usage = dynamic_cast<const UsageError*>(&e);
   const py::object none = py::none();
   const py::object field = usage && usage->range() ? py::str(std::string(usage->range()->field)) : none;
-  const py::object error = py::module_::import("envmap._errors")
-                               .attr("error_of")(std::string(name(e.code())), decoded(e.what()),
-                                                 std::string(name(e.remedy())),
-                                                 e.file().empty() ? none : decoded(e.file()), field);
+  const py::object error =
+      py::module_::import("envmap._errors")
+          .attr("error_of")(std::string(name(e.code())), decoded(e.what()), std::string(name(e.remedy())),
+                            e.file().empty() ? none : decoded(e.file()), field);
   PyErr_SetObject(py::type::of(error).ptr(), error.ptr());
 }
 
@@ -38,12 +38,18 @@ std::vector<std::string> words_of(const List& list, WordOf word = {}) {
 }
 
 std::map<std::string, std::vector<std::string>> words() {
-  return {{"Projection", words_of(all_projections, word_of)}, {"Forward", words_of(forward_names)},
-          {"Layout", words_of(cube_layouts, word_of)},         {"Depth", words_of(depth_names)},
-          {"Filter", words_of(filters(), &FilterInfo::name)},  {"Lobe", words_of(shape_names)},
-          {"Method", words_of(method_names)},                  {"PixelFormat", words_of(pixel_format_names)},
-          {"Lens", words_of(camera_model_names)},              {"ToneCurve", words_of(display_names)},
-          {"Mirror", words_of(mirrored_axis_names)},           {"Weights", words_of(weight_names)},
+  return {{"Projection", words_of(all_projections, word_of)},
+          {"Forward", words_of(forward_names)},
+          {"Layout", words_of(cube_layouts, word_of)},
+          {"Depth", words_of(depth_names)},
+          {"Filter", words_of(filters(), &FilterInfo::name)},
+          {"Lobe", words_of(shape_names)},
+          {"Method", words_of(method_names)},
+          {"PixelFormat", words_of(pixel_format_names)},
+          {"Lens", words_of(camera_model_names)},
+          {"ToneCurve", words_of(display_names)},
+          {"Mirror", words_of(mirrored_axis_names)},
+          {"Weights", words_of(weight_names)},
           {"Quality", words_of(qualities, &Quality::name)}};
 }
 

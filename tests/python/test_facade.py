@@ -347,6 +347,25 @@ def test_an_interrupt_ends_a_call(name):
     assert ended - pressed < 0.5
 
 
+def test_a_process_ends_without_what_was_left_behind():
+    """The program ends by itself after Ctrl-C, with its own status and what it has printed."""
+    program = """if True:
+        import atexit, envmap, numpy, os, signal, sys, threading
+        sky = envmap.Map(numpy.random.default_rng(1).uniform(0.1, 1, (1024, 2048, 3)))
+        threading.Timer(0.5, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
+        atexit.register(print, 'at exit')
+        try:
+            envmap.convert(sky, 'octahedral', size=3000, max_error=1e-7)
+        except KeyboardInterrupt:
+            sys.stdout.write('stopped, ')
+            sys.exit(7)
+        """
+    begin = time.monotonic()
+    done = subprocess.run([sys.executable, '-c', program], capture_output=True, text=True, timeout=120)
+    assert (done.returncode, done.stdout) == (7, 'stopped, at exit\n'), done.stderr
+    assert time.monotonic() - begin < 20
+
+
 def test_an_interrupted_write_leaves_no_file(tmp_path):
     program = """if True:
         import envmap, numpy, os, signal, threading, time

@@ -20,7 +20,6 @@ FileNotFoundErrors.
 
 Functions, maps, results and errors can be pickled, for process pools and caches.
 """
-import atexit as _atexit
 import os as _os
 
 from . import _envmap
@@ -38,8 +37,6 @@ from ._words import (Context, Depth, DrawMethod, Filter, Forward, Kind, Layout, 
                      Projection, Quality, Reflection, Scattering, ShBasis, ToneCurve, ViewMethod, Weights, Window)
 
 __version__: str = _envmap.__version__
-# Calls that Ctrl-C ended may have left work behind, which must not outlive the interpreter.
-_atexit.register(_envmap.wait)
 _os.register_at_fork(before=_envmap.before_fork)
 
 __all__ = ["AccuracyError", "ArgumentError", "Claim", "Difference", "Error", "Info", "InputError", "Lookup", "Map", "OutputError", "Picture",
