@@ -401,7 +401,7 @@ def directions(projection: Projection, size: Whole, forward: Forward = "+z") -> 
     -------
     array of float64
         Unit vectors in the shape of Map.array: (height, width, 3), of several faces (faces, height, width, 3). Texels whose centre lies
-        outside a disc have the direction of a point inside, those that do not touch the disc have (0, 0, 0) or a rim direction.
+        outside a disc have the direction of a point inside or on its rim: solid_angles() tells those that count.
 
     Raises
     ------
