@@ -1,9 +1,11 @@
-// envmap.Map: maps of arrays, and arrays of maps.
+// The Map of the compiled module: maps of arrays, and arrays of maps.
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
-#include <algorithm>
+#include <atomic>
+#include <bit>
+#include <cstring>
 
 #include "words.h"
 
@@ -11,10 +13,9 @@ namespace envmap_python {
 namespace {
 
 namespace py = pybind11;
-using namespace py::literals;
 using namespace envmap;
 
-using Array = py::array_t<float, py::array::forcecast>;
+using Array = py::array_t<float>;
 
 // A view of a level's texels, without a copy: (height, width, 3), of several faces (faces, height, width, 3).
 py::array view(const Map& map, Level& level) {
@@ -29,178 +30,95 @@ py::array view(const Map& map, Level& level) {
   return py::array_t<float>(shape, strides, &first->x, py::cast(map));
 }
 
-Projection projection_of_array(const Array& a, const std::optional<std::string>& projection) {
-  const bool image = a.ndim() == 3 && a.shape(2) == 3, several = a.ndim() == 4 && a.shape(3) == 3;
-  if (const auto n = a.ndim(); (n == 3 || n == 4) && a.shape(n - 1) == 4)
-    throw UsageError("an array is (height, width, 3), without alpha: array[..., :3] leaves it out");
-  if ((!image && !several) || a.size() == 0)
-    throw UsageError("an array is (height, width, 3), of a cube (6, N, N, 3), of a paraboloid map (2, N, N, 3)");
-  if (projection) return projection_of(*projection);
-  if (several && a.shape(0) == 2)
-    throw UsageError("an array (2, N, N, 3) may be a paraboloid map or two images", Remedy::choose_projection);
-  if (several) return Projection::cube;
-  if (a.shape(1) == 2 * a.shape(0)) return Projection::latlong;
-  throw UsageError("an array that is not twice as wide as high may be of several projections",
-                   Remedy::choose_projection);
-}
-
-Level level_of_array(const Array& a, Projection p) {
-  const bool several = a.ndim() == 4;
-  const auto height = int(a.shape(several ? 1 : 0)), width = int(a.shape(several ? 2 : 1));
-  if ((several ? a.shape(0) : 1) != faces(p) || (p != Projection::latlong && width != height) || a.size() == 0)
-    throw UsageError("the array's shape is not that of a " + std::string(name(p)) + " map");
-  Level level(p, height, width);
-  for (int face = 0; face < level.faces(); ++face)
-    for (int j = 0; j < height; ++j)
-      for (int i = 0; i < width; ++i)
-        for (int c = 0; c < 3; ++c) (*level.texel(face, i, j))[c] = several ? a.at(face, j, i, c) : a.at(j, i, c);
-  if (find_flaws(level).count() > 0) throw InputError("the array holds NaN, infinite or negative radiance");
-  return level;
-}
-
-EnvironmentMap map_of_array(const Array& a, const std::optional<std::string>& projection, const std::string& forward) {
-  const Projection p = projection_of_array(a, projection);
-  if (p == Projection::latlong && a.shape(1) != 2 * a.shape(0))
-    throw UsageError("a latlong map is twice as wide as high");
-  EnvironmentMap map{.levels = {}, .forward = Frame(p, forward_of(forward)).forward};
-  map.levels.push_back(level_of_array(a, p));
-  return map;
-}
-
-std::string type_name(const py::handle& given) { return py::cast<std::string>(py::type::of(given).attr("__name__")); }
-
-// Radiance is floating point. Integers are pixels of pictures, encoded by a curve and of any white.
-void check_numbers(const py::array& a) {
-  switch (a.dtype().kind()) {
-    case 'f': return;
-    case 'i':
-    case 'u':
-      throw UsageError("an array of " + py::cast<std::string>(py::str(a.dtype())) +
-                       " is no radiance: decode it to linear floats; .astype('float32') where it is linear");
-    default:
-      throw UsageError("an array of " + py::cast<std::string>(py::str(a.dtype())) + " is no radiance: floats are");
-  }
-}
-
-void check_unmasked(const py::object& given) {
-  if (py::hasattr(given, "filled") && py::hasattr(given, "mask") && py::cast<bool>(given.attr("mask").attr("any")()))
-    throw UsageError("a masked array has values that are none: .filled(0) or another value replaces them");
-}
-
-// What numpy makes of an object, or nothing. Of None it would make NaN.
-std::optional<py::array> array_from(const py::object& given) {
-  if (given.is_none()) return std::nullopt;
-  py::array a = py::array::ensure(given);
-  if (a && a.dtype().kind() == 'O') a = py::array::ensure(a.attr("tolist")());  // Objects are numbers, or not.
-  PyErr_Clear();
-  if (!a || a.ndim() == 0 || a.dtype().kind() == 'O') return std::nullopt;
-  return a;
-}
-
-Array array_of(const py::object& given) {
-  const std::optional<py::array> a = array_from(given);
-  if (!a)
-    throw UsageError("a map is an envmap.Map or an array of numbers, not " + type_name(given) +
-                     (py::hasattr(given, "map") ? ": take its .map" : ""));
-  check_unmasked(given);
-  if (a->size() > 0) check_numbers(*a);
-  return Array::ensure(*a);
-}
-
-// @param forward None: the map's own.
-Map copy_of(const EnvironmentMap& map, const std::optional<std::string>& projection,
-            const std::optional<std::string>& forward) {
-  if (projection && projection_of(*projection) != map.projection())
-    throw UsageError("a Map has its projection: convert() makes one in another");
-  EnvironmentMap copy = map.clone();
-  if (forward) copy.forward = Frame(map.projection(), forward_of(*forward)).forward;
-  return shared(std::move(copy));
-}
-
-Map map_of_levels(const py::object& levels, const std::optional<std::string>& projection, const std::string& forward) {
-  if (!py::isinstance<py::sequence>(levels) || py::len(levels) == 0)
-    throw UsageError("levels= is a list of arrays, the largest first");
-  EnvironmentMap map;
-  for (const py::handle level : levels) {
-    const Array a = array_of(py::reinterpret_borrow<py::object>(level));
-    if (map.levels.empty())
-      map = map_of_array(a, projection, forward);
-    else if (a.ndim() == (map.base().faces() > 1 ? 4 : 3) && a.shape(a.ndim() - 1) == 3)
-      map.levels.push_back(level_of_array(a, map.projection()));
-    else
-      throw UsageError("all levels have the shape of the first, but for their size");
-  }
-  return shared(std::move(map));
-}
-
-// A copy of a map, or a map of one array, or of those of all levels, the largest first.
-Map make_map(const py::object& array, const std::optional<std::string>& projection,
-             const std::optional<std::string>& forward, const py::object& levels) {
-  if (array.is_none() == levels.is_none()) throw UsageError("name an array or levels=, and not both");
-  if (py::isinstance<EnvironmentMap>(array)) return copy_of(*py::cast<Map>(array), projection, forward);
-  if (levels.is_none()) return map_of_object(array, projection, forward.value_or("+z"));
-  Map map = map_of_levels(levels, projection, forward.value_or("+z"));
-  check_levels(*map);
-  return map;
-}
-
-py::tuple state_of(const Map& map) {
-  py::list levels;
-  for (Level& level : map->levels) levels.append(view(map, level).attr("copy")());
-  return py::make_tuple(levels, std::string(name(map->projection())),
-                        std::string(forward_names[std::size_t(map->forward)]));
-}
-
-// A chain that was read may round up, as its writer did.
-Map of_state(const py::tuple& state) {
-  return map_of_levels(state[0], state[1].cast<std::string>(), state[2].cast<std::string>());
-}
-
 py::list views(const Map& map) {
   py::list all;
   for (Level& level : map->levels) all.append(view(map, level));
   return all;
 }
 
-}  // namespace
-
-Map map_of_object(const py::object& array, const std::optional<std::string>& projection, const std::string& forward) {
-  return shared(map_of_array(array_of(array), projection, forward));
+// Whether a value is NaN, infinite or negative: by its bits, for many at once. Of -0 the answer may be yes.
+std::uint32_t doubtful(float x) {
+  const auto bits = std::bit_cast<std::uint32_t>(x);
+  return (bits | (bits + 0x00800000U)) & 0x80000000U;
 }
 
+// An array of floats in native order, with any strides. It must outlive the task.
+struct Pixels {
+  const char* first;
+  py::ssize_t face, row, column, channel;
+};
+
+Pixels pixels_of(const Array& a) {
+  const auto n = a.ndim();
+  return {reinterpret_cast<const char*>(a.data()), n == 4 ? a.strides(0) : 0, a.strides(n - 3), a.strides(n - 2),
+          a.strides(n - 1)};
+}
+
+// @return whether a value may be a flaw.
+bool copy_row(const Pixels& from, int face, int j, std::span<Colour> to) {
+  const char* const row = from.first + face * from.face + j * from.row;
+  if (from.column == sizeof(Colour) && from.channel == sizeof(float)) {
+    std::memcpy(static_cast<void*>(to.data()), row, to.size_bytes());
+  } else {
+    for (std::size_t i = 0; i < to.size(); ++i)
+      for (int c = 0; c < 3; ++c)
+        std::memcpy(&to[i][c], row + py::ssize_t(i) * from.column + c * from.channel, sizeof(float));
+  }
+  std::uint32_t doubt = 0;
+  for (const Colour& c : to) doubt |= doubtful(c.x) | doubtful(c.y) | doubtful(c.z);
+  return doubt != 0;
+}
+
+// @param a (height, width, 3), of several faces (faces, height, width, 3). @param doubt set where a flaw may be.
+Level level_of_array(Projection p, const Array& a, std::atomic<bool>& doubt) {
+  const auto n = a.ndim();
+  Level level(p, int(a.shape(n - 3)), int(a.shape(n - 2)));
+  const Pixels from = pixels_of(a);
+  const py::gil_scoped_release others;
+  in_parallel(std::size_t(level.faces()) * std::size_t(level.height()), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) {
+      const int face = int(k) / level.height(), j = int(k) % level.height();
+      if (copy_row(from, face, j, level.row(face, j))) doubt = true;
+    }
+  });
+  return level;
+}
+
+// Of the first level that has flaws: its number, counts of NaN, infinite and negative texels, the first of them.
+py::object flaws_of(const EnvironmentMap& map) {
+  for (std::size_t k = 0; k < map.levels.size(); ++k) {
+    const Flaws f = find_flaws(map.levels[k]);
+    if (f.count() > 0) return py::make_tuple(k, f.nan, f.infinite, f.negative, index_of(*f.first));
+  }
+  return py::none();
+}
+
+// @return the map, and whether a value may be a flaw.
+py::tuple map_of_arrays(const std::string& projection, const std::string& forward, const std::vector<Array>& levels) {
+  const Projection p = projection_of(projection);
+  EnvironmentMap map{.levels = {}, .forward = Frame(p, forward_of(forward)).forward};
+  std::atomic<bool> doubt{false};
+  for (const Array& level : levels) map.levels.push_back(level_of_array(p, level, doubt));
+  return py::make_tuple(shared(std::move(map)), doubt.load());
+}
+
+Map copy_of(const EnvironmentMap& map, const std::optional<std::string>& forward) {
+  EnvironmentMap copy = map.clone();
+  if (forward) copy.forward = Frame(map.projection(), forward_of(*forward)).forward;
+  return shared(std::move(copy));
+}
+
+}  // namespace
+
 void add_map(py::module_& m) {
-  py::class_<EnvironmentMap, Map>(
-      m, "Map",
-      document("Map", "array=None, projection=None, forward=None, *, levels=None",
-               "An environment map: linear RGB radiance, float32, by face and mip level.\n\n"
-               "An array is copied: (height, width, 3), of a cube (6, N, N, 3), of a paraboloid map (2, N, N, 3). An "
-               "array twice as wide as "
-               "high is a latlong map by default; a paraboloid map is named by projection=. Values are floats. Another "
-               "Map is copied with its levels and its forward axis, which is '+z' of arrays. levels= takes the arrays "
-               "of a whole mip chain, the largest first."))
-      .def(py::init(&make_map), "array"_a = py::none(), "projection"_a = py::none(), "forward"_a = py::none(),
-           py::kw_only(), "levels"_a = py::none())
-      .def(py::pickle(&state_of, &of_state))
-      .def_property_readonly(
-          "array", [](const Map& map) { return view(map, map->base()); },
-          "Level 0, a view without a copy: (height, width, 3), of several faces (faces, height, width, 3). "
-          "Cube faces are +X -X +Y -Y +Z -Z.")
-      .def_property_readonly("levels", &views, "Views of all levels, the largest first.")
-      .def_property_readonly("projection", [](const EnvironmentMap& map) { return name(map.projection()); })
-      .def_property_readonly(
-          "forward", [](const EnvironmentMap& map) { return forward_names[std::size_t(map.forward)]; },
-          "World axis at the centre of latlong and angular images.")
-      .def_property_readonly(
-          "size", [](const EnvironmentMap& map) { return map.base().height(); }, "Height of a face in texels.")
-      .def("__array__",
-           [](const Map& map, const py::args& how, const py::kwargs& more) {
-             return py::object(view(map, map->base())).attr("__array__")(*how, **more);
-           })
-      .def("__repr__", [](const EnvironmentMap& map) {
-        return "<envmap.Map " + std::string(name(map.projection())) + " " + std::to_string(map.base().width()) + "x" +
-               std::to_string(map.base().height()) +
-               (map.base().faces() > 1 ? " x " + std::to_string(map.base().faces()) : "") + ">";
-      });
+  py::class_<EnvironmentMap, Map>(m, "Map")
+      .def("levels", &views)
+      .def("projection", [](const EnvironmentMap& map) { return name(map.projection()); })
+      .def("forward", [](const EnvironmentMap& map) { return forward_names[std::size_t(map.forward)]; })
+      .def("copy", &copy_of)
+      .def("check_levels", [](const EnvironmentMap& map) { check_levels(map); })
+      .def("flaws", &flaws_of);
+  m.def("map_of_arrays", &map_of_arrays);
 }
 
 }  // namespace envmap_python

@@ -1,7 +1,6 @@
 // envmap.bake(): bake.h in Python's words.
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
-#include <pybind11/stl/filesystem.h>
 
 #include <algorithm>
 
@@ -11,10 +10,9 @@ namespace envmap_python {
 namespace {
 
 namespace py = pybind11;
-using namespace py::literals;
 using namespace envmap;
 
-std::vector<std::string> bake_map(const GivenMap& given, const std::string& engine, const std::filesystem::path& folder,
+std::vector<std::string> bake_map(const Map& map, const std::string& engine, const std::string& folder,
                                   const std::string& quality, std::optional<int> size, std::optional<int> chain_size,
                                   std::optional<double> max_error, double exposure,
                                   const std::optional<std::string>& depth, bool clamp, bool force,
@@ -27,7 +25,7 @@ std::vector<std::string> bake_map(const GivenMap& given, const std::string& engi
                 .write = {.clamp = clamp, .commit = {.force = force}}};
   if (depth) o.write.depth = depth_of(*depth);
   const Engine& wanted = engine_named(engine);
-  Reporter(progress).run([&](const Run& run) { return bake(given.map->clone(), wanted, folder.string(), o, run); });
+  carry_out(progress, [=, &wanted](const Run& run) { bake(map->clone(), wanted, folder, o, run); });
   return files_of(wanted);
 }
 
@@ -45,18 +43,9 @@ std::vector<double> roughnesses(const std::string& engine, std::optional<int> si
 }  // namespace
 
 void add_bake(py::module_& m) {
-  m.def("bake", &bake_map, "map"_a, "engine"_a, "folder"_a, py::kw_only(), "quality"_a = "normal",
-        "size"_a = py::none(), "chain_size"_a = py::none(), "max_error"_a = py::none(), "exposure"_a = 0.0,
-        "depth"_a = py::none(), "clamp"_a = false, "force"_a = false, "progress"_a = py::none(),
-        document("bake",
-                 "map, engine, folder, *, quality='normal', size=None, chain_size=None, max_error=None, exposure=0.0, "
-                 "depth=None, clamp=False, force=False, progress=None",
-                 "Writes the folder that an engine loads, whole or not at all, and returns the names of its files."));
-  m.def("engines", &engine_names, document("engines", "", "The names of the engines that bake() knows."));
-  m.def("level_roughnesses", &roughnesses, "engine"_a, "size"_a = py::none(),
-        document("level_roughnesses", "engine, size=None",
-                 "The roughness that the engine's shader looks for in each level of a chain whose first level has this "
-                 "size: for prefilter(roughness=)."));
+  m.def("bake", &bake_map);
+  m.def("engines", &engine_names);
+  m.def("level_roughnesses", &roughnesses);
 }
 
 }  // namespace envmap_python

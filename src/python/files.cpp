@@ -1,8 +1,7 @@
-// envmap.read(), write(), encode() and pack().
+// Files: read, write, encode; texels for graphics APIs.
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
-#include <pybind11/stl/filesystem.h>
 
 #include <span>
 
@@ -15,78 +14,45 @@ namespace py = pybind11;
 using namespace py::literals;
 using namespace envmap;
 
-std::filesystem::path path_of(const py::object& file) {
-  try {
-    return file.cast<std::filesystem::path>();
-  } catch (const py::cast_error&) {
-    throw UsageError("a file is named by a str or an os.PathLike, not by " +
-                     py::cast<std::string>(py::type::of(file).attr("__name__")));
-  }
+py::list claims_of(const Source& s) {
+  py::list all;
+  for (const Claim& c : s.claims) all.append(py::make_tuple(c.name, c.value, std::string(name(c.outcome)), c.reason));
+  return all;
 }
 
-// Where the bytes are no image, but the name of a file that is there.
-bool is_name(std::span<const std::byte> bytes) {
-  std::error_code error;
-  const std::string name(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  return !name.empty() && name.size() < 4096 && name.find('\0') == name.npos && std::filesystem::exists(name, error);
+// What reading found, by the names of envmap.Source.
+py::dict facts_of(const Source& s, const std::string& space) {
+  return py::dict("format"_a = s.format, "depth"_a = name(s.depth), "layout"_a = name(s.layout),
+                  "width"_a = s.image_width, "height"_a = s.image_height, "levels"_a = s.levels, "border"_a = s.border,
+                  "border_samples"_a = s.border_samples, "forward_is_assumed"_a = s.forward_is_assumed,
+                  "pose_applied"_a = s.pose.has_value(), "space"_a = space.empty() ? words(s.claimed) : space,
+                  "white_luminance"_a = s.provenance.white_luminance, "repaired"_a = s.repaired, "facts"_a = s.facts,
+                  "claims"_a = claims_of(s), "notes"_a = s.notes, "details"_a = s.details);
 }
 
-Map read_bytes(std::span<const std::byte> bytes, const ReadOptions& o) try {
-  const py::gil_scoped_release others;
-  return shared(std::move(read(bytes, o).map));
-} catch (const InputError& e) {
-  if (!is_name(bytes)) throw;
-  throw UsageError("bytes are the contents of a file; these name one: os.fsdecode() makes a name of them");
+py::tuple found(Source&& s, const std::string& space) {
+  py::dict facts = facts_of(s, space);
+  return py::make_tuple(shared(std::move(s.map)), std::move(facts));
 }
 
-Map read_file(const py::object& file, const std::optional<std::string>& projection,
-              const std::optional<std::string>& layout, const std::string& faces,
-              const std::optional<std::string>& forward, int level, bool all_levels, bool repair, bool drop_channels,
-              const std::string& space, const std::string& working, std::optional<double> headroom) {
-  ReadOptions o;
-  if (projection) o.projection = projection_of(*projection);
-  if (layout) o.layout = layout_of(*layout);
-  if (forward) o.forward = forward_of(*forward);
-  o.faces = faces;
-  o.level = level, o.all_levels = all_levels, o.drop_channels = drop_channels;
-  o.flaws = repair ? FlawPolicy::repair : FlawPolicy::refuse;
-  o.colour.space = space, o.colour.working = working;
-  o.choice.headroom = headroom;
-  if (PyObject_CheckBuffer(file.ptr())) {
-    const py::buffer_info bytes = py::reinterpret_borrow<py::buffer>(file).request();
-    if (bytes.ndim != 1 || bytes.itemsize != 1 || bytes.strides[0] != 1) throw UsageError("a file in memory is bytes");
-    return read_bytes({static_cast<const std::byte*>(bytes.ptr), std::size_t(bytes.size)}, o);
-  }
-  const std::string path = path_of(file).string();
-  const py::gil_scoped_release others;
-  return shared(std::move(read(path, o).map));
+py::tuple read_file(const std::string& path, const ReadOptions& o, const py::object& progress) {
+  return found(carry_out(progress, [=](const Run& run) { return read(path, o, run); }), o.colour.space);
 }
 
-WriteOptions write_options(const std::optional<std::string>& depth, const std::optional<std::string>& layout,
-                           const std::string& format, const std::string& compression, bool clamp, bool zstd,
-                           const Facts& facts) {
-  WriteOptions o{.format = format, .clamp = clamp, .compression = compression, .zstd = zstd, .facts = facts};
-  if (depth) o.depth = depth_of(*depth);
-  if (layout) o.layout = layout_of(*layout);
-  return o;
+// The bytes are copied: a call that a signal ends leaves its task behind.
+py::tuple read_bytes(const py::buffer& file, const ReadOptions& o, const py::object& progress) {
+  const py::buffer_info bytes = file.request();
+  const auto* const first = static_cast<const std::byte*>(bytes.ptr);
+  const auto copy = std::make_shared<const std::vector<std::byte>>(first, first + bytes.size * bytes.itemsize);
+  return found(carry_out(progress, [=](const Run& run) { return read(*copy, o, run); }), o.colour.space);
 }
 
-void write_file(const py::object& file, const GivenMap& given, const std::optional<std::string>& depth,
-                const std::optional<std::string>& layout, const std::string& faces, const std::string& format,
-                const std::string& compression, bool clamp, bool zstd, const Facts& facts, bool force,
-                const py::object& progress) {
-  WriteOptions o = write_options(depth, layout, format, compression, clamp, zstd, facts);
-  o.commit.force = force;
-  o.faces = faces;
-  const std::string path = path_of(file).string();
-  Reporter(progress).run([&](const Run& r) { return write(path, *given.map, o, r); });
+void write_file(const std::string& path, const Map& map, const WriteOptions& o, const py::object& progress) {
+  carry_out(progress, [=](const Run& run) { write(path, *map, o, run); });
 }
 
-py::bytes encode_map(const GivenMap& given, const std::string& format, const std::optional<std::string>& depth,
-                     const std::optional<std::string>& layout, const std::string& compression, bool clamp, bool zstd,
-                     const Facts& facts, const py::object& progress) {
-  const WriteOptions o = write_options(depth, layout, format, compression, clamp, zstd, facts);
-  const std::vector<std::byte> bytes = Reporter(progress).run([&](const Run& r) { return encode(*given.map, o, r); });
+py::bytes encode_map(const Map& map, const WriteOptions& o, const py::object& progress) {
+  const std::vector<std::byte> bytes = carry_out(progress, [=](const Run& run) { return encode(*map, o, run); });
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
@@ -107,13 +73,13 @@ py::array packed_level(const PackedMap& map, int level, const py::bytes& bytes) 
   return {type, shape, PyBytes_AS_STRING(bytes.ptr()) + part.offset, bytes};
 }
 
-py::list pack_map(const GivenMap& given, const std::string& format, const std::string& orientation, bool clamp,
+py::list pack_map(const Map& map, const std::string& format, const std::string& orientation, bool clamp,
                   const py::object& progress) {
   static constexpr std::string_view orientations[] = {"graphics-api", "seen-from-inside"};
   const PackOptions o{.format = named<PixelFormat>("format", format, pixel_format_names),
                       .orientation = named<FaceOrientation>("orientation", orientation, orientations),
                       .clamp = clamp};
-  const PackedMap packed = Reporter(progress).run([&](const Run& r) { return pack(*given.map, o, r); });
+  const PackedMap packed = carry_out(progress, [=](const Run& run) { return pack(*map, o, run); });
   const py::bytes bytes(reinterpret_cast<const char*>(packed.bytes.data()), packed.bytes.size());
   py::list levels;
   for (int k = 0; k < packed.levels; ++k) {
@@ -123,43 +89,62 @@ py::list pack_map(const GivenMap& given, const std::string& format, const std::s
   return levels;
 }
 
+// A member of options that Python sets, and never reads.
+template <class Options, class Set>
+void add_setter(py::class_<Options>& options, const char* name, Set set) {
+  options.def_property(name, nullptr, py::cpp_function(set));
+}
+
+void add_read_options(py::module_& m) {
+  using Word = const std::string&;
+  using O = ReadOptions;
+  py::class_<O> options(m, "ReadOptions");
+  options.def(py::init<>())
+      .def_readwrite("faces", &O::faces)
+      .def_readwrite("border", &O::border)
+      .def_readwrite("border_samples", &O::border_samples)
+      .def_readwrite("apply_pose", &O::apply_pose)
+      .def_readwrite("max_memory", &O::max_memory)
+      .def_readwrite("max_pixels", &O::max_pixels)
+      .def_readwrite("drop_channels", &O::drop_channels)
+      .def_readwrite("level", &O::level)
+      .def_readwrite("all_levels", &O::all_levels);
+  add_setter(options, "projection", [](O& o, Word word) { o.projection = projection_of(word); });
+  add_setter(options, "layout", [](O& o, Word word) { o.layout = layout_of(word); });
+  add_setter(options, "forward", [](O& o, Word word) { o.forward = forward_of(word); });
+  add_setter(options, "repair", [](O& o, bool yes) { o.flaws = yes ? FlawPolicy::repair : FlawPolicy::refuse; });
+  add_setter(options, "space", [](O& o, Word word) { o.colour.space = word; });
+  add_setter(options, "working", [](O& o, Word word) { o.colour.working = word; });
+  add_setter(options, "headroom", [](O& o, double stops) { o.choice.headroom = stops; });
+  add_setter(options, "layer", [](O& o, Word word) { o.choice.layer = word; });
+}
+
+void add_write_options(py::module_& m) {
+  using Word = const std::string&;
+  using O = WriteOptions;
+  py::class_<O> options(m, "WriteOptions");
+  options.def(py::init<>())
+      .def_readwrite("faces", &O::faces)
+      .def_readwrite("format", &O::format)
+      .def_readwrite("compression", &O::compression)
+      .def_readwrite("clamp", &O::clamp)
+      .def_readwrite("zstd", &O::zstd)
+      .def_readwrite("facts", &O::facts);
+  add_setter(options, "depth", [](O& o, Word word) { o.depth = depth_of(word); });
+  add_setter(options, "layout", [](O& o, Word word) { o.layout = layout_of(word); });
+  add_setter(options, "force", [](O& o, bool yes) { o.commit.force = yes; });
+}
+
 }  // namespace
 
 void add_files(py::module_& m) {
-  m.def("read", &read_file, "file"_a, py::kw_only(), "projection"_a = py::none(), "layout"_a = py::none(),
-        "faces"_a = "", "forward"_a = py::none(), "level"_a = 0, "all_levels"_a = false, "repair"_a = false,
-        "drop_channels"_a = false, "space"_a = "", "working"_a = "", "headroom"_a = py::none(),
-        document(
-            "read",
-            "file, *, projection=None, layout=None, faces='', forward=None, level=0, all_levels=False, repair=False, "
-            "drop_channels=False, space='', working='', headroom=None",
-            "Reads a map of a file, or of a file's bytes. {face} in the name reads six files, which faces names. "
-            "headroom "
-            "limits the gain map of a JPEG, in stops above white."));
-  m.def("write", &write_file, "file"_a, "map"_a, py::kw_only(), "depth"_a = py::none(), "layout"_a = py::none(),
-        "faces"_a = "", "format"_a = "", "compression"_a = "", "clamp"_a = false, "zstd"_a = false, "facts"_a = Facts{},
-        "force"_a = false, "progress"_a = py::none(),
-        document("write",
-                 "file, map, *, depth=None, layout=None, faces='', format='', compression='', clamp=False, zstd=False, "
-                 "facts={}, force=False, progress=None",
-                 "Writes a map with its levels; the file appears whole or not at all. force replaces a file that is "
-                 "read-only."));
-  m.def("encode", &encode_map, "map"_a, "format"_a, py::kw_only(), "depth"_a = py::none(), "layout"_a = py::none(),
-        "compression"_a = "", "clamp"_a = false, "zstd"_a = false, "facts"_a = Facts{}, "progress"_a = py::none(),
-        document(
-            "encode",
-            "map, format, *, depth=None, layout=None, compression='', clamp=False, zstd=False, facts={}, progress=None",
-            "The bytes of the file that write() would write. format is an extension, such as 'exr'."));
-  m.def("pack", &pack_map, "map"_a, "format"_a = "rgba16f", py::kw_only(), "orientation"_a = "graphics-api",
-        "clamp"_a = false, "progress"_a = py::none(),
-        document("pack", "map, format='rgba16f', *, orientation='graphics-api', clamp=False, progress=None",
-                 "Texels of all levels, ready for upload: an array for each level, the largest first.\n\n"
-                 "Formats: rgba16f, rgba32f, rgb16f, rgb32f (height, width, channels); rgb9e5 (height, width) words; "
-                 "bc6h (rows, columns, 16) "
-                 "bytes of blocks. Cubes have the face first, +X -X +Y -Y +Z -Z, as OpenGL, Vulkan and Direct3D define "
-                 "them: a lookup with a "
-                 "world direction returns the radiance from there. orientation='seen-from-inside' leaves faces as "
-                 "Map.array has them."));
+  add_read_options(m);
+  add_write_options(m);
+  m.def("read_file", &read_file);
+  m.def("read_bytes", &read_bytes);
+  m.def("write", &write_file);
+  m.def("encode", &encode_map);
+  m.def("pack", &pack_map);
 }
 
 }  // namespace envmap_python

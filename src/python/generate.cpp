@@ -9,54 +9,35 @@ namespace envmap_python {
 namespace {
 
 namespace py = pybind11;
-using namespace py::literals;
 using namespace envmap;
 
+// What is given for a parameter of a pattern, which Python has checked.
 template <class T>
-constexpr const char* words_for = "three numbers";
-template <>
-constexpr const char* words_for<int> = "a whole number below 2^31";
-template <>
-constexpr const char* words_for<double> = "a number";
-template <>
-constexpr const char* words_for<bool> = "True or False";
-template <>
-constexpr const char* words_for<std::string> = "a word";
-
-// A parameter of a pattern, taken out of what was given.
-template <class T>
-T take(py::kwargs& given, const char* name, const T& otherwise) {
-  if (!given.contains(name)) return otherwise;
-  const T value = cast_to<T>(given[name], name, words_for<T>);
-  given.attr("pop")(name);
-  return value;
+T take(const py::dict& given, const char* name, const T& otherwise) {
+  return given.contains(name) ? given[name].cast<T>() : otherwise;
 }
-
-// A number is all three channels: an array counts as a number, too, and as a sequence.
-Rgb<double> take(py::kwargs& given, const char* name, const Rgb<double>& otherwise) {
-  if (given.contains(name) && PyNumber_Check(given[name].ptr()) == 1 && PySequence_Check(given[name].ptr()) == 0)
-    return Rgb<double>(take(given, name, 0.0));
+Rgb<double> take(const py::dict& given, const char* name, const Rgb<double>& otherwise) {
   return rgb(take(given, name, triple(otherwise)));
 }
 
-Direction direction(py::kwargs& k, const Direction& otherwise) {
+Direction direction(const py::dict& k, const Direction& otherwise) {
   return glm::normalize(direction_of("direction", take(k, "direction", triple(otherwise))));
 }
 
 // The radius of a sun, in degrees.
-double radius(py::kwargs& k, double otherwise, const Bounds& range) {
+double radius(const py::dict& k, double otherwise, const Bounds& range) {
   const double degrees = take(k, "radius", otherwise);
   check_range({"radius", range.least, range.most}, degrees);
   return degrees;
 }
 
-Sky sky_of(py::kwargs& k) {
+Sky sky_of(const py::dict& k) {
   Sky sky{take(k, "zenith", Rgb<double>(1)), take(k, "ground", Rgb<double>(0.2))};
   if (k.contains("horizon")) sky.horizon = take(k, "horizon", Rgb<double>(0));
   return sky;
 }
 
-Pattern pattern(const std::string& kind, py::kwargs& k) {
+Pattern pattern(const std::string& kind, const py::dict& k) {
   if (kind == "constant") return Constant{take(k, "radiance", Rgb<double>(1))};
   if (kind == "gradient") return Gradient{take(k, "bottom", Rgb<double>(0.1)), take(k, "top", Rgb<double>(1))};
   if (kind == "checker")
@@ -73,46 +54,31 @@ Pattern pattern(const std::string& kind, py::kwargs& k) {
   return Sun{towards, radius(k, 0.2666, limits::disc_radius), take(k, "radiance", Rgb<double>(1e5)), sky_of(k)};
 }
 
-Atmosphere atmosphere(py::kwargs& k) {
+Atmosphere atmosphere(const py::dict& k) {
   Atmosphere a;
   a.sun = direction(k, a.sun);
   a.turbidity = take(k, "turbidity", a.turbidity), a.altitude = take(k, "altitude", a.altitude);
   a.ground = take(k, "ground", a.ground), a.radius_degrees = radius(k, a.radius_degrees, limits::sun_radius);
   a.disc = take(k, "disc", a.disc);
-  const std::string scattering = take(k, "scattering", std::string("multiple"));
-  if (scattering != "single" && scattering != "multiple") throw UsageError("scattering is 'single' or 'multiple'");
-  a.scattering = scattering == "single" ? Scattering::single : Scattering::multiple;
+  static constexpr std::string_view words[] = {"single", "multiple"};
+  const bool is_single = index_of_word("scattering", take(k, "scattering", std::string("multiple")), words) == 0;
+  a.scattering = is_single ? Scattering::single : Scattering::multiple;
   return a;
 }
 
-// What is left of the parameters is of no kind.
-void check_taken(const std::string& kind, const py::kwargs& left) {
-  if (left.size() > 0) throw UsageError(kind + " has no parameter " + py::cast<std::string>(left.begin()->first));
-}
-
 Map generate_map(const std::string& kind, const std::string& to, int size, const std::string& forward,
-                 py::kwargs parameters) {
+                 const py::dict& parameters) {
   const Frame frame(projection_of(to), forward_of(forward));
   if (kind == "atmosphere") {
     const Atmosphere air = atmosphere(parameters);
-    check_taken(kind, parameters);
-    const py::gil_scoped_release others;
-    return shared(generate(air, frame, size).map);
+    return carry_out([=] { return shared(generate(air, frame, size).map); });
   }
   const Pattern wanted = pattern(kind, parameters);
-  check_taken(kind, parameters);
-  const py::gil_scoped_release others;
-  return shared(generate(wanted, frame, size));
+  return carry_out([=] { return shared(generate(wanted, frame, size)); });
 }
 
 }  // namespace
 
-void add_generate(py::module_& m) {
-  m.def("generate", &generate_map, "kind"_a, "to"_a = "latlong", "size"_a = 64, "forward"_a = "+z",
-        document("generate", "kind, to='latlong', size=64, forward='+z', **parameters",
-                 "An environment with a known answer: constant, gradient, checker, directions, faces, sun, sky or sh, "
-                 "with its parameters. 'atmosphere' is a clear day: direction, turbidity, altitude, ground, radius, "
-                 "disc and scattering are as in envmap-generate(1)."));
-}
+void add_generate(py::module_& m) { m.def("generate", &generate_map); }
 
 }  // namespace envmap_python

@@ -1,14 +1,13 @@
-// The Python module: the library's public functions on numpy arrays.
+// The compiled half of the Python module: the library's public functions, thin. What people call is envmap/*.py.
 #include <pybind11/pybind11.h>
 #include <tbb/global_control.h>
+#include <tbb/parallel_for.h>
 
 #include "words.h"
 
 namespace envmap_python {
 namespace {
 
-namespace py = pybind11;
-using namespace py::literals;
 using namespace envmap;
 
 void limit_threads(int count) {
@@ -20,20 +19,24 @@ void limit_threads(int count) {
 
 }  // namespace
 
+void in_parallel(std::size_t count, const std::function<void(std::size_t begin, std::size_t end)>& f) {
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count), [&](const auto& r) { f(r.begin(), r.end()); });
+}
+
 PYBIND11_MODULE(_envmap, m) {
-  add_errors(m);
+  translate_errors();
   m.attr("__version__") = ENVMAP_VERSION_TEXT;
-  py::options options;
-  options.disable_function_signatures();  // document() has those that Python can read.
+  add_before_fork(m);
+  add_words(m);
   add_map(m);
   add_files(m);
   add_operations(m);
+  add_light(m);
   add_prefilter(m);
   add_generate(m);
   add_bake(m);
   add_scenes(m);
-  m.def("limit_threads", &limit_threads, "count"_a,
-        document("limit_threads", "count", "Lets all calls together use at most so many threads; 0: all cores again."));
+  m.def("limit_threads", &limit_threads);
 }
 
 }  // namespace envmap_python

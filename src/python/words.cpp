@@ -1,13 +1,9 @@
 #include "words.h"
 
-#include <pybind11/eval.h>
+#include <pybind11/stl.h>
 
-#include <algorithm>
-#include <cerrno>
-#include <cstring>
-#include <deque>
-#include <iterator>
-#include <span>
+#include <map>
+#include <vector>
 
 namespace envmap_python {
 namespace {
@@ -17,73 +13,47 @@ using namespace envmap;
 
 constexpr auto word_of = [](auto value) { return name(value); };
 
-// What would help, in the words of these functions.
-const char* advice(Remedy remedy) {
-  switch (remedy) {
-    case Remedy::choose_projection: return ": say which by projection=";
-    case Remedy::leave_out_layout:
-    case Remedy::leave_out_from_layout: return ": leave out layout=";
-    case Remedy::leave_out_face: return ": leave out {face}";
-    case Remedy::drop_channels: return ": drop_channels=True leaves them behind";
-    case Remedy::repair: return ": read(repair=True) replaces them";
-    case Remedy::choose_space: return ": say which by space=";
-    case Remedy::choose_faces: return ": say which by faces=";
-    case Remedy::choose_format: return ", or say format=";
-    case Remedy::choose_plus_z: return ": forward='+z'";
-    case Remedy::clamp_or_deepen:
-    case Remedy::clamp_or_brighten: return ": depth='float' holds them, or say clamp=True";
-    case Remedy::clamp_or_darken: return ": a floating-point format holds them, or say clamp=True";
-    case Remedy::clamp_or_dim:
-    case Remedy::clamp_or_light_up: return ": say clamp=True";
-    case Remedy::force: return ": force=True replaces it";
-    case Remedy::make_levels: return ": mipmap() makes levels anew";
-    case Remedy::make_cube: return ": convert(to='cube') makes one";
-    case Remedy::take_base: return ": headroom=0 reads the picture without its gain map";
-    case Remedy::make_all_levels: return ": mipmap() makes them";
-    case Remedy::limit_memory:
-    case Remedy::allow_pixels:
-    case Remedy::choose_linear:
-    case Remedy::choose_layer:
-    case Remedy::leave_out_shadows:
-    case Remedy::find_circle:
-    case Remedy::none: break;
-  }
-  return "";
+// The file system's names need not be UTF-8.
+py::object decoded(const std::string& text) {
+  return py::reinterpret_steal<py::object>(
+      PyUnicode_DecodeUTF8(text.data(), static_cast<py::ssize_t>(text.size()), "surrogateescape"));
 }
 
-// The number of the system's error that a message ends in, or None.
-py::object errno_of(const std::string& message) {
-  if (message.find("no such file") != std::string::npos) return py::int_(ENOENT);
-  if (message.find("is a folder") != std::string::npos) return py::int_(EISDIR);
-  for (const int number :
-       {ENOENT, EACCES, EPERM, EISDIR, ENOTDIR, ENOSPC, EROFS, EFBIG, EIO, ENAMETOOLONG, ELOOP, EMFILE, EDQUOT})
-    if (message.find(std::strerror(number)) != std::string::npos) return py::int_(number);
-  return py::none();
-}
-
-void raise(const Error& e, PyObject* kind) {
-  std::string line = e.what() + std::string(advice(e.remedy()));
-  std::replace(line.begin(), line.end(), '\n', ' ');
-  const py::object raised = py::reinterpret_borrow<py::object>(kind)(line);
-  raised.attr("code") = std::string(name(e.code()));
-  raised.attr("remedy") = std::string(name(e.remedy()));
-  const py::object file = e.file().empty() ? py::object(py::none()) : py::str(e.file());
-  raised.attr("file") = file;
+void raise(const Error& e) {
   const auto* const usage = dynamic_cast<const UsageError*>(&e);
-  raised.attr("field") = usage && usage->range() ? py::object(py::str(std::string(usage->range()->field))) : py::none();
-  if (e.code() == ErrorCode::input || e.code() == ErrorCode::output) {
-    raised.attr("errno") = errno_of(e.what());
-    raised.attr("filename") = file;
-  }
-  PyErr_SetObject(kind, raised.ptr());
+  const py::object none = py::none();
+  const py::object field = usage && usage->range() ? py::str(std::string(usage->range()->field)) : none;
+  const py::object error =
+      py::module_::import("envmap._errors")
+          .attr("error_of")(std::string(name(e.code())), decoded(e.what()), std::string(name(e.remedy())),
+                            e.file().empty() ? none : decoded(e.file()), field);
+  PyErr_SetObject(py::type::of(error).ptr(), error.ptr());
+}
+
+template <class List, class WordOf = std::identity>
+std::vector<std::string> words_of(const List& list, WordOf word = {}) {
+  std::vector<std::string> all;
+  for (const auto& element : list) all.emplace_back(std::invoke(word, element));
+  return all;
+}
+
+std::map<std::string, std::vector<std::string>> words() {
+  return {{"Projection", words_of(all_projections, word_of)},
+          {"Forward", words_of(forward_names)},
+          {"Layout", words_of(cube_layouts, word_of)},
+          {"Depth", words_of(depth_names)},
+          {"Filter", words_of(filters(), &FilterInfo::name)},
+          {"Lobe", words_of(shape_names)},
+          {"Method", words_of(method_names)},
+          {"PixelFormat", words_of(pixel_format_names)},
+          {"Lens", words_of(camera_model_names)},
+          {"ToneCurve", words_of(display_names)},
+          {"Mirror", words_of(mirrored_axis_names)},
+          {"Weights", words_of(weight_names)},
+          {"Quality", words_of(qualities, &Quality::name)}};
 }
 
 }  // namespace
-
-const char* document(const char* name, const char* parameters, const char* text) {
-  static std::deque<std::string> kept;
-  return kept.emplace_back(std::string(name) + "(" + parameters + ")\n--\n\n" + text).c_str();
-}
 
 Projection projection_of(const std::string& word) {
   return named<Projection>("projection", word, all_projections, word_of);
@@ -98,47 +68,16 @@ Method method_of(const std::string& word) {
 }
 Weights weights_of(const std::string& word) { return named<Weights>("weights", word, weight_names); }
 
-void add_errors(py::module_& module) {
-  using namespace py::literals;
-  static PyObject* kinds[enumerators<ErrorCode>];
-  static py::exception<Error> error(module, "Error", PyExc_RuntimeError);
-  const auto add = [&](ErrorCode code, const char* name, PyObject* builtin) {
-    const py::tuple bases = py::make_tuple(error, py::reinterpret_borrow<py::object>(builtin));
-    // OSError would write errno and the file's name once more.
-    py::dict members("__str__"_a = py::eval("lambda self: self.args[0] if self.args else ''"));
-    if (builtin == PyExc_OSError)  // Which keeps these two beside the others, where pickle does not look.
-      members["__reduce__"] =
-          py::eval("lambda self: (type(self), self.args, dict(vars(self), errno=self.errno, filename=self.filename))");
-    PyObject* const kind = PyErr_NewException((std::string("envmap.") + name).c_str(), bases.ptr(), members.ptr());
-    module.add_object(name, py::handle(kind));
-    kinds[std::size_t(code)] = kind;
-  };
-  add(ErrorCode::usage, "UsageError", PyExc_ValueError);
-  add(ErrorCode::input, "InputError", PyExc_OSError);
-  add(ErrorCode::output, "OutputError", PyExc_OSError);
-  add(ErrorCode::renderer, "RendererError", PyExc_RuntimeError);
-  add(ErrorCode::accuracy, "AccuracyError", PyExc_RuntimeError);
+void translate_errors() {
   py::register_exception_translator([](std::exception_ptr thrown) {
     try {
       if (thrown) std::rethrow_exception(thrown);
     } catch (const Error& e) {
-      raise(e, kinds[std::size_t(e.code())]);
+      raise(e);
     }
   });
 }
 
-Progress Reporter::callback() {
-  if (function_.is_none()) return {};
-  return [this](double part) {
-    const py::gil_scoped_acquire own;
-    if (raised_) throw Stopped{};
-    try {
-      function_(part);
-    } catch (const py::error_already_set&) {
-      raised_ = std::current_exception();
-      throw Stopped{};
-    }
-  };
-}
+void add_words(py::module_& module) { module.def("words", &words); }
 
 }  // namespace envmap_python

@@ -5,20 +5,50 @@
     cube = envmap.convert(probe, "cube", size=256)                      # an array (height, width, 3) does as well
     diffuse = envmap.prefilter(cube, "diffuse", max_error=1e-4).map
     envmap.write("diffuse.exr", diffuse, depth="half")
+    light = envmap.lookup(cube, [(0, 1, 0), (0, 0, 1)])                 # radiance from directions
     seen = envmap.render("room.glb", "latlong", at="Ball", environment=probe)
-    picture = envmap.view("room.glb", environment=probe).array
 
-Radiance is linear RGB, float32. The frame is right-handed, +Y up, +Z at the centre of latlong images; sizes are heights of a
-face in texels. Functions never change what they are given, and let other Python threads run. progress= takes a function that
-is called with the fraction done, never two calls at once, from any thread; the last value is 1. What it raises ends the work.
-limit_threads() limits the threads of all calls.
+Radiance is linear RGB, float32. The frame is right-handed, +Y up, +Z at the centre of latlong images. Sizes are heights of a face in
+texels, angles are degrees. Functions never change what they are given. Other Python threads run meanwhile.
 
-Errors are envmap.Error, in one line: UsageError (a ValueError), InputError and OutputError (OSErrors), RendererError, AccuracyError.
-They have code ('usage', 'input', 'output', 'renderer', 'accuracy'), file, remedy (a word of envmap/base/error.h), field (of a value out of its range),
-and OSErrors also filename and errno. file, field and errno may be None: errno is set where the system refused.
+progress= takes a function of the fraction done. It is called in the thread of the call, and the last value is 1. What it raises ends the
+work. Ctrl-C ends every call within half a second. limit_threads() limits the threads of all calls.
+
+Errors are envmap.Error, in one line: UsageError (a ValueError), ArgumentError (also a TypeError), InputError and OutputError (OSErrors),
+RendererError and AccuracyError. They have code, file, remedy and field. OSErrors have filename and errno, and missing files are
+FileNotFoundErrors.
+
+Functions, maps, results and errors can be pickled, for process pools and caches.
 """
-from ._envmap import (AccuracyError, Difference, Error, InputError, Map, OutputError, Picture, Prefiltered, RendererError, UsageError, __version__, bake,
-                      brdf_table, compare, convert, encode, engines, generate, level_roughnesses, limit_threads, mipmap, pack, prefilter, read, render, sh, solid_angles, view, write)
+import os as _os
 
-__all__ = ["AccuracyError", "Difference", "Error", "InputError", "Map", "OutputError", "Picture", "Prefiltered", "RendererError", "UsageError", "__version__",
-           "bake", "brdf_table", "compare", "convert", "encode", "engines", "generate", "level_roughnesses", "limit_threads", "mipmap", "pack", "prefilter", "read", "render", "sh", "solid_angles", "view", "write"]
+from . import _envmap
+from ._arguments import Path, Place, Progress, Triple
+from ._engines import bake, engines, limit_threads
+from ._errors import AccuracyError, ArgumentError, Error, InputError, OutputError, RendererError, UsageError
+from ._files import encode, pack, read, write
+from ._generate import generate
+from ._light import Lookup, Prefiltered, brdf_table, irradiance, level_roughnesses, lookup, prefilter, sh, shader_sh
+from ._map import Claim, Map, MapLike, Source
+from ._operations import Difference, Info, compare, convert, directions, info, mipmap, photograph, repair, solid_angles
+from ._preview import png, preview
+from ._scenes import Picture, render, view
+from ._words import (Context, Depth, DrawMethod, Filter, Forward, Kind, Layout, Lens, Lobe, Method, Mirror, MirrorMap, Orientation, PixelFormat,
+                     Projection, Quality, Reflection, Scattering, ShBasis, ToneCurve, ViewMethod, Weights, Window)
+
+__version__: str = _envmap.__version__
+_os.register_at_fork(before=_envmap.before_fork)
+
+__all__ = ["AccuracyError", "ArgumentError", "Claim", "Difference", "Error", "Info", "InputError", "Lookup", "Map", "OutputError", "Picture",
+           "Prefiltered", "RendererError", "Source", "UsageError", "__version__", "bake", "brdf_table", "compare", "convert", "directions",
+           "encode", "engines", "generate", "info", "irradiance", "level_roughnesses", "limit_threads", "lookup", "mipmap", "pack", "photograph",
+           "png", "prefilter", "preview", "read", "render", "repair", "sh", "shader_sh", "solid_angles", "view", "write",
+           # Types of arguments, for annotations.
+           "Context", "Depth", "DrawMethod", "Filter", "Forward", "Kind", "Layout", "Lens", "Lobe", "MapLike", "Method", "Mirror", "MirrorMap",
+           "Orientation", "Path", "PixelFormat", "Place", "Progress", "Projection", "Quality", "Reflection", "Scattering", "ShBasis",
+           "ToneCurve", "Triple", "ViewMethod", "Weights", "Window"]
+
+# Where pickles, help() and tracebacks look for them.
+for _name in __all__:
+    if isinstance(globals()[_name], type):
+        globals()[_name].__module__ = "envmap"
