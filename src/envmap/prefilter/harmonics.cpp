@@ -180,7 +180,7 @@ Harmonics project(const EnvironmentMap& map, int order, const Run& run) {
     const Recursion recursion(order);
     const Rotation to_world = image_to_world(cube ? cube->forward : map.forward);
     Harmonics found{order, std::vector<Flux>(std::size_t((order + 1) * (order + 1)), Flux(0))};
-    std::vector<std::array<Sum, 3>> totals(found.coefficients.size());
+    std::vector<std::array<CompensatedSum, 3>> totals(found.coefficients.size());
     std::optional<LatlongRows> latlong;
     if (level.projection() == Projection::latlong) latlong.emplace(level, recursion, to_world);
     const int rows = level.faces() * level.height();

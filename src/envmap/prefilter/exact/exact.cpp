@@ -208,7 +208,7 @@ std::vector<Flux> exact_sums(const Level& source, const Lobe& lobe, std::span<co
   for (std::size_t first = 0; first < directions.size(); first += batch) {
     const auto some = directions.subspan(first, std::min(batch, directions.size() - first));
     const int rows = source.faces() * source.height();
-    std::vector<std::array<Sum, 3>> totals(some.size());
+    std::vector<std::array<CompensatedSum, 3>> totals(some.size());
     constexpr int band = 64;
     for (int start = 0; start < rows; start += band) {
       source.trim();
