@@ -1,3 +1,5 @@
+// Projection of a map onto spherical harmonics: texels of cubes by Gauss points, rows of latlong maps by closed forms
+// in longitude. Convolution and evaluation of the coefficients.
 #include "envmap/prefilter/harmonics.h"
 
 #include <fmt/format.h>
@@ -74,8 +76,8 @@ std::vector<Flux> row_of(const Level& level, const Recursion& recursion, const R
   return sums;
 }
 
-// Harmonics are products of a function of longitude and one of latitude,
-// so a latlong row is summed along its longitudes first.
+// Harmonics are products of a function of longitude and one of latitude, so a latlong row is summed along its
+// longitudes first.
 class LatlongRows {
  public:
   LatlongRows(const Level& level, const Recursion& recursion, const Rotation& to_world)
@@ -236,8 +238,8 @@ EnvironmentMap evaluate(const Harmonics& h, Projection to, int size, Forward for
 std::vector<double> zonal(const Lobe& lobe, int order) {
   check_range({"order", 0, 100000}, order);
   const auto value = [&](double x) { return std::visit([x](const auto& l) { return l.value(x); }, lobe); };
-  // Panels that halve towards the middle of the lobe, as far as it changes, and towards the horizon,
-  // where it may be bent.
+  // Panels that halve towards the middle of the lobe, as far as it changes, and towards the horizon, where it may be
+  // bent.
   const double width = std::visit([](const auto& l) { return l.width(); }, lobe);
   std::vector<double> breaks{0};
   for (int k = std::min(-1, std::ilogb(width) - 8); k <= -1; ++k) breaks.push_back(std::ldexp(1.0, k));

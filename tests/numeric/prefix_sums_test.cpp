@@ -1,4 +1,6 @@
 // Sums at the horizon against the exact sum, which integrates round the borders of texels: each within its own bound.
+#include "envmap/prefilter/prefix_sums/prefix_sums.h"
+
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -8,11 +10,10 @@
 #include "envmap/operate/measure.h"
 #include "envmap/prefilter/exact/exact.h"
 #include "envmap/prefilter/prefilter.h"
-#include "envmap/prefilter/prefix_sums/prefix_sums.h"
 #include "envmap/prefilter/source_cube.h"
 #include "envmap/prefilter/treecode/tree.h"
 
-namespace hinge_test {
+namespace prefix_sums_test {
 namespace {
 
 using namespace envmap;
@@ -55,13 +56,13 @@ void expect_bounds(const Level& level, const std::vector<double>& errors, std::s
                    const std::string& what) {
   const double mean = mean_radiance(level), floor = 1e-3 * mean;
   const std::optional<Level> fine = refined(level);
-  std::vector<HingeSum> found(some.size());
+  std::vector<PrefixSum> found(some.size());
   for (const Lobe& lobe : {Lobe(Cosine{}), Lobe(Phong{2}), Lobe(Phong{3})}) {
-    const std::string name = what + ", power " + std::to_string(hinge_polynomial(lobe)->order());
+    const std::string name = what + ", power " + std::to_string(clamped_cosine_polynomial(lobe)->order());
     const std::vector<Flux> truth = exact_prefilter(level, lobe, some);
     for (const double error : errors) {
-      const Hinges hinges(fine ? *fine : level, mean, darkest_of(level), 3, error);
-      hinges.sums(*hinge_polynomial(lobe), some, error, {}, found);
+      const PrefixSums prefix_sums(fine ? *fine : level, mean, min_radiance_of(level), 3, error);
+      prefix_sums.sums(*clamped_cosine_polynomial(lobe), some, error, {}, found);
       for (std::size_t n = 0; n < some.size(); ++n)
         for (int c = 0; c < 3; ++c) {
           const double most = std::max(truth[n][c], floor), bound = found[n].bound[c];
@@ -82,7 +83,7 @@ const Source sources[] = {{Projection::latlong, 64},
                           {Projection::cube, 67}};
 #endif
 
-TEST(Hinge, LoneLightsStayWithinTheirBounds) {
+TEST(PrefixSums, LoneLightsStayWithinTheirBounds) {
   for (const Source& s : sources) {
     const Level shape(s.projection, s.size);
     const int w = shape.width(), h = shape.height();
@@ -99,7 +100,7 @@ TEST(Hinge, LoneLightsStayWithinTheirBounds) {
   }
 }
 
-TEST(Hinge, EveryKindOfLightStaysWithinItsBounds) {
+TEST(PrefixSums, EveryKindOfLightStaysWithinItsBounds) {
   std::mt19937_64 random(11);
   const auto even = [&] { return float(double(random() >> 11) * 0x1p-53); };
   const std::pair<const char*, std::function<float(int, int, int, int)>> kinds[] = {
@@ -116,7 +117,7 @@ TEST(Hinge, EveryKindOfLightStaysWithinItsBounds) {
       expect_bounds(made(s, radiance), {s.size % 2 == 0 ? 1e-3 : 1e-4}, directions(0), words(s) + " " + kind);
 }
 
-TEST(Hinge, SmallestSourcesStayWithinTheirBounds) {
+TEST(PrefixSums, SmallestSourcesStayWithinTheirBounds) {
   for (const Source& s :
        {Source{Projection::latlong, 1}, Source{Projection::latlong, 2}, Source{Projection::latlong, 7},
         Source{Projection::cube, 1}, Source{Projection::cube, 2}, Source{Projection::cube, 5}}) {
@@ -125,18 +126,18 @@ TEST(Hinge, SmallestSourcesStayWithinTheirBounds) {
   }
 }
 
-TEST(Hinge, LobesThatAreHinges) {
-  EXPECT_TRUE(hinge_polynomial(Cosine{}));
-  EXPECT_TRUE(hinge_polynomial(Ggx(1)));
-  EXPECT_TRUE(hinge_polynomial(Phong{2}));
-  EXPECT_TRUE(hinge_polynomial(Phong{3}));
-  EXPECT_FALSE(hinge_polynomial(Ggx(0.99)));
-  EXPECT_FALSE(hinge_polynomial(Phong{1.5}));
-  EXPECT_FALSE(hinge_polynomial(Charlie(1)));
-  EXPECT_FALSE(hinge_polynomial(BlinnPhong(2)));
+TEST(PrefixSums, LobesThatAreClampedCosinePolynomials) {
+  EXPECT_TRUE(clamped_cosine_polynomial(Cosine{}));
+  EXPECT_TRUE(clamped_cosine_polynomial(Ggx(1)));
+  EXPECT_TRUE(clamped_cosine_polynomial(Phong{2}));
+  EXPECT_TRUE(clamped_cosine_polynomial(Phong{3}));
+  EXPECT_FALSE(clamped_cosine_polynomial(Ggx(0.99)));
+  EXPECT_FALSE(clamped_cosine_polynomial(Phong{1.5}));
+  EXPECT_FALSE(clamped_cosine_polynomial(Charlie(1)));
+  EXPECT_FALSE(clamped_cosine_polynomial(BlinnPhong(2)));
 }
 
-TEST(Hinge, MapsAreMadeByPrefixSumsWithTheirBounds) {
+TEST(PrefixSums, MapsAreMadeByPrefixSumsWithTheirBounds) {
   EnvironmentMap map;
   map.levels.push_back(made({Projection::latlong, 64}, [](int, int i, int j, int c) {
     return i == 70 && j == 9 ? 1e5F : float((i + 2 * j + c) % 7);
@@ -159,7 +160,7 @@ TEST(Hinge, MapsAreMadeByPrefixSumsWithTheirBounds) {
     }
 }
 
-TEST(Hinge, BlackStaysBlack) {
+TEST(PrefixSums, BlackStaysBlack) {
   EnvironmentMap map;
   map.levels.emplace_back(Projection::cube, 4);
   const Prefiltered done = PrefilterSource(map).make({.size = 3});
@@ -168,7 +169,7 @@ TEST(Hinge, BlackStaysBlack) {
   for (const Colour& c : done.map.base().row(2, 1)) EXPECT_EQ(c, Colour(0));
 }
 
-TEST(Hinge, RowsComeOutAsInTheWholeMap) {
+TEST(PrefixSums, RowsComeOutAsInTheWholeMap) {
   EnvironmentMap map;
   map.levels.push_back(made({Projection::cube, 40},
                             [](int face, int i, int j, int c) { return float((face + 3 * i + 7 * j + c) % 5); }));
@@ -180,7 +181,7 @@ TEST(Hinge, RowsComeOutAsInTheWholeMap) {
   for (int i = 0; i < 6; ++i) EXPECT_EQ(*part.map.base().texel(2, i, 1), *whole.map.base().texel(2, i, 1));
 }
 
-TEST(Hinge, OtherLobesAreRefused) {
+TEST(PrefixSums, OtherLobesAreRefused) {
   EnvironmentMap map;
   map.levels.emplace_back(Projection::cube, 4);
   EXPECT_ANY_THROW(
@@ -188,4 +189,4 @@ TEST(Hinge, OtherLobesAreRefused) {
 }
 
 }  // namespace
-}  // namespace hinge_test
+}  // namespace prefix_sums_test
