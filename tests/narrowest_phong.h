@@ -14,7 +14,7 @@ inline double narrowest_phong(int rows, double error, int max_rows, Projection s
   while (high > 1.001 * low) {
     const double middle = std::sqrt(low * high);
     const auto plan = prefiltering::multilevel_plan(Phong{middle}, error, max_rows, source);
-    (!plan || plan->core || plan->finest() > rows ? high : low) = middle;
+    (!plan || plan->near_field || plan->finest() > rows ? high : low) = middle;
   }
   return low;
 }

@@ -53,13 +53,13 @@ double error_of(const Level& map, const Direction& light, const Lobe& lobe, cons
   const SourceGrids grids(map, mean, Colour(0), plan.finest());
   const std::optional<Level> fine = refined(map);
   const Level& small = fine ? *fine : map;
-  const Hinges hinges(map, mean, Colour(0), 3, error);
+  const PrefixSums prefix_sums(map, mean, Colour(0), 3, error);
   std::vector<Direction> some(2000);
   const bool power = !plan.steps.empty() ? plan.steps[0].kernel.kind == LevelKernel::Kind::power
-                                         : plan.core && plan.core->kind == LevelKernel::Kind::power;
+                                         : plan.near_field && plan.near_field->kind == LevelKernel::Kind::power;
   for (Direction& d : some) d = random.round(light, power ? plan.width : 0);
   std::vector<MultilevelSum> sums(some.size());
-  const MultilevelSource source{small, grids, &hinges, mean, Colour(0)};
+  const MultilevelSource source{small, grids, &prefix_sums, mean, Colour(0)};
   multilevel_sums(plan, source, smooth_field(plan, source, 2048), some, sums);
   const std::vector<Flux> truth = exact_prefilter(map, lobe, some);
   double worst = 0;

@@ -193,7 +193,7 @@ TEST(Atmosphere, SkylightIsWhatPhotonsBring) {
       const Depths d = depths(8, turbidity);
       const double sine = std::sin(pi / 3);
       Photons photons;
-      Sum sum;
+      CompensatedSum sum;
       const int count = 60000;
       for (int k = 0; k < count; ++k) sum.add(photons.diffuse(d, sine, albedo));
       const double wanted = sum.value() / count * std::exp(-d.ozone / sine);  // Ozone lies above nearly all air.

@@ -15,7 +15,7 @@ namespace envmap {
 
 /// Irradiance, texel by texel.
 inline Flux irradiance_of_floor(const Level& level) {
-  std::array<Sum, 3> sums;
+  std::array<CompensatedSum, 3> sums;
   std::vector<double> w(std::size_t(level.width()));
   std::vector<Direction> d(w.size());
   for (int f = 0; f < level.faces(); ++f)

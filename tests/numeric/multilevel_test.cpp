@@ -78,8 +78,8 @@ void expect_bounds(const EnvironmentMap& map, const Lobe& lobe, double error, st
   const double mean = mean_radiance(map.base());
   const SourceGrids grids(map.base(), mean, Colour(0), plan->finest());
   const std::optional<Level> fine = refined(map.base());
-  const Hinges hinges(fine ? *fine : map.base(), mean, Colour(0), 3, error);
-  const MultilevelSource source{fine ? *fine : map.base(), grids, &hinges, mean, Colour(0)};
+  const PrefixSums prefix_sums(fine ? *fine : map.base(), mean, Colour(0), 3, error);
+  const MultilevelSource source{fine ? *fine : map.base(), grids, &prefix_sums, mean, Colour(0)};
   const std::vector<Flux> truth = exact_prefilter(map.base(), lobe, some);
   // Every step at the directions themselves, and coarse ones at nodes.
   for (const std::optional<NodeGrid>& field : {std::optional<NodeGrid>(), smooth_field(*plan, source, at_nodes)}) {
@@ -230,15 +230,15 @@ TEST(Multilevel, SumsOfARowAreThoseOfItsNodes) {
   for (const auto& [shape, parameter] : {Case{Shape::ggx, 0.2}, Case{Shape::ggx, 0.5}, Case{Shape::phong, 300}}) {
     const auto plan = multilevel_plan(lobe_of({.shape = shape, .parameter = parameter}), 1e-3, 256);
     ASSERT_TRUE(plan);
-    GatherRoom room;
+    GatherBuffers buffers;
     for (const int rows : {64, 128})
       for (const MultilevelPlan::Step& step : plan->steps)
         for (int row = 0; row < rows; row += row < 20 ? 1 : 7) {
           const NodeGrid& grid = grids.grid(rows);
           std::vector<Flux> sums(std::size_t(grid.columns[std::size_t(row)]), Flux(1));
-          gather_at_row(grid, step.kernel, row, room, sums);
+          gather_at_row(grid, step.kernel, row, buffers, sums);
           for (std::size_t k = 0; k < sums.size(); ++k) {
-            const Flux one = gather(grid, step.kernel, grid.node(row, int(k)), room);
+            const Flux one = gather(grid, step.kernel, grid.node(row, int(k)), buffers);
             for (int c = 0; c < 3; ++c)
               ASSERT_NEAR(sums[k][c], 1 + one[c], 2e-6 * (1 + one[c])) << rows << ", row " << row << ", node " << k;
           }

@@ -56,13 +56,13 @@ void expect_bounds(const Level& level, const std::vector<double>& errors, std::s
                    const std::string& what) {
   const double mean = mean_radiance(level), floor = 1e-3 * mean;
   const std::optional<Level> fine = refined(level);
-  std::vector<HingeSum> found(some.size());
+  std::vector<PrefixSum> found(some.size());
   for (const Lobe& lobe : {Lobe(Cosine{}), Lobe(Phong{2}), Lobe(Phong{3})}) {
-    const std::string name = what + ", power " + std::to_string(hinge_polynomial(lobe)->order());
+    const std::string name = what + ", power " + std::to_string(clamped_cosine_polynomial(lobe)->order());
     const std::vector<Flux> truth = exact_prefilter(level, lobe, some);
     for (const double error : errors) {
-      const Hinges hinges(fine ? *fine : level, mean, darkest_of(level), 3, error);
-      hinges.sums(*hinge_polynomial(lobe), some, error, {}, found);
+      const PrefixSums prefix_sums(fine ? *fine : level, mean, min_radiance_of(level), 3, error);
+      prefix_sums.sums(*clamped_cosine_polynomial(lobe), some, error, {}, found);
       for (std::size_t n = 0; n < some.size(); ++n)
         for (int c = 0; c < 3; ++c) {
           const double most = std::max(truth[n][c], floor), bound = found[n].bound[c];
@@ -126,15 +126,15 @@ TEST(PrefixSums, SmallestSourcesStayWithinTheirBounds) {
   }
 }
 
-TEST(PrefixSums, LobesThatAreHinges) {
-  EXPECT_TRUE(hinge_polynomial(Cosine{}));
-  EXPECT_TRUE(hinge_polynomial(Ggx(1)));
-  EXPECT_TRUE(hinge_polynomial(Phong{2}));
-  EXPECT_TRUE(hinge_polynomial(Phong{3}));
-  EXPECT_FALSE(hinge_polynomial(Ggx(0.99)));
-  EXPECT_FALSE(hinge_polynomial(Phong{1.5}));
-  EXPECT_FALSE(hinge_polynomial(Charlie(1)));
-  EXPECT_FALSE(hinge_polynomial(BlinnPhong(2)));
+TEST(PrefixSums, LobesThatAreClampedCosinePolynomials) {
+  EXPECT_TRUE(clamped_cosine_polynomial(Cosine{}));
+  EXPECT_TRUE(clamped_cosine_polynomial(Ggx(1)));
+  EXPECT_TRUE(clamped_cosine_polynomial(Phong{2}));
+  EXPECT_TRUE(clamped_cosine_polynomial(Phong{3}));
+  EXPECT_FALSE(clamped_cosine_polynomial(Ggx(0.99)));
+  EXPECT_FALSE(clamped_cosine_polynomial(Phong{1.5}));
+  EXPECT_FALSE(clamped_cosine_polynomial(Charlie(1)));
+  EXPECT_FALSE(clamped_cosine_polynomial(BlinnPhong(2)));
 }
 
 TEST(PrefixSums, MapsAreMadeByPrefixSumsWithTheirBounds) {

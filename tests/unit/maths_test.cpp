@@ -9,16 +9,16 @@
 namespace envmap::maths_test {
 namespace {
 
-TEST(Sum, KeepsSmallTermsBesideLargeOnes) {
-  Sum sum;
+TEST(CompensatedSum, KeepsSmallTermsBesideLargeOnes) {
+  CompensatedSum sum;
   sum.add(1e16);
   for (int k = 0; k < 1000; ++k) sum.add(1);
   sum.add(-1e16);
   EXPECT_EQ(sum.value(), 1000);
 }
 
-TEST(Sum, OfSums) {
-  Sum a, b;
+TEST(CompensatedSum, OfSums) {
+  CompensatedSum a, b;
   a.add(1e16);
   a.add(1);
   b.add(-1e16);

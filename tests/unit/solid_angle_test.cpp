@@ -9,7 +9,7 @@ namespace envmap::solid_angle_test {
 namespace {
 
 double total(Projection p, int size) {
-  Sum sum;
+  CompensatedSum sum;
   std::vector<double> row(std::size_t(size * aspect(p)));
   for (int j = 0; j < size; ++j) {
     solid_angles(p, size, j, row);
@@ -40,7 +40,7 @@ TEST_P(EachSolidAngle, TexelsHaveTheAreaTheirDirectionsSpan) {
   for (const auto& [i, j] : {std::pair{7, 7}, {5, 10}, {4, 4}, {8, 2}}) {
     solid_angles(p, size, j, row);
     const double du = 1.0 / (size * aspect(p) * fine), dv = 1.0 / (size * fine);
-    Sum area;
+    CompensatedSum area;
     for (int b = 0; b < fine; ++b)
       for (int a = 0; a < fine; ++a) {
         const double u = i / double(size * aspect(p)) + (a + 0.5) * du, v = j / double(size) + (b + 0.5) * dv;

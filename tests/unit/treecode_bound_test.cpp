@@ -86,7 +86,8 @@ TreeNode node_of_points(const std::vector<Point>& points) {
       for (std::size_t k = 0; k < one.size(); ++k) light.moments[c][k] += p.flux[c] * one[k];
   }
   set_centre(light, {1, 1, 1});
-  for (const Point& p : points) light.reach = std::max(light.reach, glm::length(p.d - light.centre));
+  for (const Point& p : points)
+    light.bounding_radius = std::max(light.bounding_radius, glm::length(p.d - light.centre));
   return finished(light);
 }
 
@@ -96,7 +97,7 @@ double value_of(const Lobe& lobe, double x) {
 // What is left to the nodes.
 double rest_of(const TreecodeLobe& lobe, double x) {
   const double t = 1 - x, all = value_of(lobe.lobe, x);
-  return t <= 0 ? 0 : all - t * lobe.hinges.slope(t);
+  return t <= 0 ? 0 : all - t * lobe.horizon_terms.slope(t);
 }
 double versine(const Direction& a, const Direction& b) {
   const Direction d = a - b;
@@ -141,13 +142,13 @@ TEST_P(EachTreecodeLobe, NoNodeIsFartherOffThanItsBound) {
       const Tile tile(directions);
       NodeGroup group{};
       group.set(0, node);
-      Judged judged;
-      judge(lobe, tile, group, judged);
+      NodeBounds bounds;
+      bound_nodes(lobe, tile, group, bounds);
       TileSums sums{};
       NodeSums nodes;
-      if (judged.visible & 1) nodes.of(judged.form[0]).push_back({&node, judged.even[0], judged.line[0]});
+      if (bounds.visible & 1) nodes.of(bounds.form[0]).push_back({&node, bounds.constant[0], bounds.line[0]});
       evaluate(lobe, nodes, tile, sums);
-      const double bound = judged.visible & 1 ? judged.bound[0] : 0;
+      const double bound = bounds.visible & 1 ? bounds.bound[0] : 0;
       for (std::size_t k = 0; k < directions.size(); ++k)
         for (std::size_t c = 0; c < channels; ++c) {
           double truth = 0, flux = 0;
@@ -156,7 +157,7 @@ TEST_P(EachTreecodeLobe, NoNodeIsFartherOffThanItsBound) {
           }
           const double off = std::abs(sums[c][k] - truth), allowed = flux * bound;
           ASSERT_LE(off, allowed + 1e-12 * flux)
-              << "node " << n << " form " << int(judged.form[0]) << " bound " << bound;
+              << "node " << n << " form " << int(bounds.form[0]) << " bound " << bound;
           if (allowed > 0) worst = std::max(worst, off / allowed);
         }
     }
@@ -212,17 +213,17 @@ TEST(TreecodeBound, NodesWithoutAnAxisHoldTheirBound) {
       const Tile tile(directions);
       NodeGroup group{};
       group.set(0, node);
-      Judged judged;
-      judge(lobe, tile, group, judged);
-      ASSERT_TRUE(judged.visible & 1);
+      NodeBounds bounds;
+      bound_nodes(lobe, tile, group, bounds);
+      ASSERT_TRUE(bounds.visible & 1);
       NodeSums nodes;
-      nodes.of(judged.form[0]).push_back({&node, judged.even[0], judged.line[0]});
+      nodes.of(bounds.form[0]).push_back({&node, bounds.constant[0], bounds.line[0]});
       TileSums sums{};
       evaluate(lobe, nodes, tile, sums);
       for (std::size_t c = 0; c < channels; ++c) {
         double truth = 0, flux = 0;
         for (const Point& p : ring) truth += p.flux[c] * rest_of(lobe, versine(directions[0], p.d)), flux += p.flux[c];
-        EXPECT_LE(std::abs(sums[c][0] - truth), flux * judged.bound[0]) << exponent << " " << tilt;
+        EXPECT_LE(std::abs(sums[c][0] - truth), flux * bounds.bound[0]) << exponent << " " << tilt;
       }
     }
   }

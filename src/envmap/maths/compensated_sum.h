@@ -7,14 +7,14 @@
 namespace envmap {
 
 /// Compensated sum of doubles (Neumaier 1974): error of one rounding, whatever the order of magnitude of the terms.
-class Sum {
+class CompensatedSum {
  public:
   void add(double x) {
     const double t = total_ + x;
     lost_ += std::abs(total_) >= std::abs(x) ? (total_ - t) + x : (x - t) + total_;
     total_ = t;
   }
-  void add(const Sum& other) {
+  void add(const CompensatedSum& other) {
     add(other.total_);
     lost_ += other.lost_;
   }

@@ -73,6 +73,14 @@ const Rule<N>& rule() {
   return made;
 }
 
+/// The rules of two, three and four points as constants, for tables made at compile time (Abramowitz and Stegun 1964,
+/// table 25.4). Their nodes rise; those of rule() fall.
+inline constexpr Rule<2> gauss_2{{-0.577350269189625765, 0.577350269189625765}, {1, 1}};
+inline constexpr Rule<3> gauss_3{{-0.774596669241483377, 0, 0.774596669241483377}, {5.0 / 9, 8.0 / 9, 5.0 / 9}};
+inline constexpr Rule<4> gauss_4{
+    {-0.861136311594052575, -0.339981043584856265, 0.339981043584856265, 0.861136311594052575},
+    {0.347854845137453857, 0.652145154862546143, 0.652145154862546143, 0.347854845137453857}};
+
 /// Integral of f over [a,b] by N points; exact for polynomials of degree 2N-1.
 template <int N, class F>
 double line(double a, double b, F&& f) {

@@ -106,7 +106,7 @@ std::vector<double> weights(const Target& target, std::span<const Texel> texels)
 FilterTrial measured(const Candidate& candidate, std::span<const Colour> result, std::span<const Colour> truth,
                      std::span<const double> weights, std::size_t even, double share, double floor) {
   FilterTrial t{candidate.filter, candidate.samples, 0, 0, 0};
-  Sum error, power;
+  CompensatedSum error, power;
   for (std::size_t k = 0; k < truth.size(); ++k)
     for (int c = 0; c < 3; ++c) {
       const double a = result[k][c], b = truth[k][c], off = std::abs(a - b);

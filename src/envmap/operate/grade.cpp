@@ -67,7 +67,7 @@ Integral integral(const EnvironmentMap& map, const Direction& normal, const Weig
   const Level& level = map.base();
   const Direction n = glm::transpose(image_to_world(map.frame().forward)) * normal;
   const int cuts = parts(level);
-  Sum light[3], weights;
+  CompensatedSum light[3], weights;
   for (const Integral& row : map_rows<Integral>(cuts * level.height(), [&](int j) {
          level.trim();
          return integral_of_row(level, j, cuts, n, weight);

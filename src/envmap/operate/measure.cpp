@@ -32,7 +32,7 @@ bool usable(const Colour& c) {
 }
 
 struct FluxSum {
-  Sum channel[3], weight;
+  CompensatedSum channel[3], weight;
   void add(const Flux& flux, double solid_angle) {
     for (int k = 0; k < 3; ++k) channel[k].add(flux[k]);
     weight.add(solid_angle);
@@ -255,7 +255,7 @@ std::vector<Row> map_pairs(const Level& a, const Level& b, const Add& add) {
 
 double best_exposure(const Level& a, const Level& b) {
   struct Row {
-    Sum product, power;
+    CompensatedSum product, power;
   };
   const auto rows =
       map_pairs<Row>(a, b, [](Row& r, double w, const Texel&, const Rgb<double>& ca, const Rgb<double>& cb) {
@@ -291,7 +291,7 @@ Difference compare(const Level& a, const Level& b, Level* shown) {
   if (shown) check_same_shape(*shown, b);
   const double floor = 1e-3 * mean_radiance(b);
   struct Row {
-    Sum error, power;
+    CompensatedSum error, power;
     double maximum = -1;
     Texel worst{0, 0, 0};
   };

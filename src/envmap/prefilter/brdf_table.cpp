@@ -28,9 +28,12 @@ namespace HWY_NAMESPACE {
 using D = hn::CappedTag<double, 8>;
 using V = hn::Vec<D>;
 
-HWY_INLINE V number(double x) { return hn::Set(D(), x); }
-HWY_INLINE V square(V x) { return hn::Mul(x, x); }
-HWY_INLINE V cube_of(V x) { return hn::Mul(x, square(x)); }
+template <class T>
+HWY_INLINE V broadcast(T c) {
+  return broadcast(D(), c);
+}
+HWY_INLINE V square(V x) { return x * x; }
+HWY_INLINE V cube_of(V x) { return x * square(x); }
 
 // end x sinh(range x) of x in [0,1] and its derivative, for range = asinh(end / scale): nodes that lie as densely at 0
 // as `scale` asks for, and ever sparser beyond, which suits what falls by powers of distance / scale.
@@ -38,14 +41,14 @@ struct Stretched {
   V scale, range;  // The range over ln 2.
 
   Stretched(V least, V end) : scale(least) {
-    const V y = hn::Div(end, scale), root = hn::Sqrt(hn::Add(square(y), number(1)));
-    range = hn::Neg(log2_one_minus(D(), hn::Sub(number(1), hn::Div(number(1), hn::Add(y, root)))));
+    const V y = end / scale, root = hn::Sqrt(square(y) + broadcast(1));
+    range = hn::Neg(log2_one_minus(D(), broadcast(1) - broadcast(1) / (y + root)));
   }
   HWY_INLINE void at(double x, V& value, V& slope) const {
-    const V falling = exp2_small(D(), hn::Neg(hn::Mul(range, number(x)))), rising = hn::Div(number(1), falling);
-    const V half = hn::Mul(scale, number(0.5));
-    value = hn::Mul(half, hn::Sub(rising, falling));
-    slope = hn::Mul(hn::Mul(half, number(std::numbers::ln2)), hn::Mul(range, hn::Add(rising, falling)));
+    const V falling = exp2_small(D(), hn::Neg(range * broadcast(x))), rising = broadcast(1) / falling;
+    const V half = scale * broadcast(0.5);
+    value = half * (rising - falling);
+    slope = half * broadcast(std::numbers::ln2) * (range * (rising + falling));
   }
 };
 
@@ -55,41 +58,37 @@ struct Views {
   double a2;
 
   // sqrt(a^2 + (1 - a^2) cos^2) of Smith's G: cos (1 + 2 lambda).
-  [[nodiscard]] HWY_INLINE V smith(V c) const {
-    return hn::Sqrt(hn::Add(number(a2), hn::Mul(number(1 - a2), square(c))));
-  }
+  [[nodiscard]] HWY_INLINE V smith(V c) const { return hn::Sqrt(broadcast(a2) + broadcast(1 - a2) * square(c)); }
   // All azimuths of light whose polar angle is that of the view + 2 atan(tangent), with a weight.
   HWY_INLINE void add_circle(V tangent, V weight) {
-    const V one = number(1), t2 = square(tangent), near = hn::Div(one, hn::Add(one, t2));  // cos^2 d
-    const V cos2d = hn::Mul(hn::Sub(one, t2), near), sin2d = hn::Mul(hn::Add(tangent, tangent), near);
-    const V light_cosine = hn::Max(hn::Zero(D()), hn::Sub(hn::Mul(cosine, cos2d), hn::Mul(sine, sin2d)));
-    const V light_sine = hn::Max(hn::Zero(D()), hn::Add(hn::Mul(sine, cos2d), hn::Mul(cosine, sin2d)));
-    const V far = hn::Mul(square(hn::Sub(cosine, hn::Mul(sine, tangent))), near);                            // cos^2 s
-    const V least = hn::Mul(number(4), hn::Mul(hn::Mul(far, near), hn::Add(t2, number(a2))));                // A - B
-    const V most = hn::Mul(number(4), hn::Mul(near, hn::Add(hn::Sub(one, far), hn::Mul(number(a2), far))));  // A + B
-    const V both = hn::Mul(number(2), hn::Mul(sine, light_sine)), twice_far = hn::Add(far, far),
-            two_both = hn::Add(both, both);
+    const V one = broadcast(1), t2 = square(tangent), near = one / (one + t2);  // cos^2 d
+    const V cos2d = (one - t2) * near, sin2d = (tangent + tangent) * near;
+    const V light_cosine = hn::Max(hn::Zero(D()), cosine * cos2d - sine * sin2d);
+    const V light_sine = hn::Max(hn::Zero(D()), sine * cos2d + cosine * sin2d);
+    const V far = square(cosine - sine * tangent) * near;                      // cos^2 s
+    const V least = broadcast(4) * (far * near * (t2 + broadcast(a2)));        // A - B
+    const V most = broadcast(4) * (near * (one - far + broadcast(a2) * far));  // A + B
+    const V both = broadcast(2) * (sine * light_sine), twice_far = far + far, two_both = both + both;
     // t = tan(psi / 4), whose peak at 0 is half as wide as that of tan(psi / 2).
-    const Stretched azimuth(hn::Mul(number(0.5), hn::Sqrt(hn::Div(least, most))), one);
+    const Stretched azimuth(broadcast(0.5) * hn::Sqrt(least / most), one);
     const auto& rule = quadrature::rule<24>();
     V all = hn::Zero(D()), part = hn::Zero(D());
     for (std::size_t n = 0; n < rule.node.size(); ++n) {
       V t, slope;
       azimuth.at(0.5 + 0.5 * rule.node[n], t, slope);
-      const V inverse = hn::Div(one, hn::Add(one, square(t)));
-      const V h2 = square(hn::Mul(hn::Add(t, t), inverse));  // sin^2(psi / 2)
-      const V vl = hn::Add(twice_far, hn::Mul(both, h2)), q = hn::Add(least, hn::Mul(two_both, h2));
-      const V value = hn::Mul(hn::Mul(number(rule.weight[n]), hn::Mul(slope, inverse)), square(hn::Div(vl, q)));
-      const V rest = hn::Max(hn::Zero(D()), hn::Sub(one, hn::Sqrt(hn::Mul(number(0.5), vl))));  // 1 - cos(v,h)
-      all = hn::Add(all, value);
-      part = hn::Add(part, hn::Mul(value, hn::Mul(square(rest), cube_of(rest))));
+      const V inverse = one / (one + square(t));
+      const V h2 = square((t + t) * inverse);  // sin^2(psi / 2)
+      const V vl = twice_far + both * h2, q = least + two_both * h2;
+      const V value = broadcast(rule.weight[n]) * (slope * inverse) * square(vl / q);
+      const V rest = hn::Max(hn::Zero(D()), one - hn::Sqrt(broadcast(0.5) * vl));  // 1 - cos(v,h)
+      all += value;
+      part += value * (square(rest) * cube_of(rest));
     }
     // G / (4 cos(n,v)), and 4 a^2 / pi of D; 4 x 2 x 1/2 of d psi, of both its signs and of the rule's [-1,1].
-    const V masked =
-        hn::Div(light_cosine, hn::Add(hn::Mul(cosine, smith(light_cosine)), hn::Mul(light_cosine, smith(cosine))));
-    const V whole = hn::Mul(hn::Mul(weight, number(8 * a2 / pi)), hn::Mul(light_sine, masked));
-    white = hn::Add(white, hn::Mul(whole, all));
-    fresnel = hn::Add(fresnel, hn::Mul(whole, part));
+    const V masked = light_cosine / (cosine * smith(light_cosine) + light_cosine * smith(cosine));
+    const V whole = weight * broadcast(8 * a2 / pi) * (light_sine * masked);
+    white += whole * all;
+    fresnel += whole * part;
   }
   // Light nearer to the normal (sign -1) or farther from it (1) than the view, to the tangent `end` of half its way.
   HWY_INLINE void add_side(V scale, V end, double sign) {
@@ -98,8 +97,7 @@ struct Views {
     for (std::size_t n = 0; n < rule.node.size(); ++n) {
       V t, slope;
       angle.at(0.5 + 0.5 * rule.node[n], t, slope);
-      add_circle(hn::Mul(number(sign), t),
-                 hn::Div(hn::Mul(number(rule.weight[n]), slope), hn::Add(number(1), square(t))));
+      add_circle(broadcast(sign) * t, broadcast(rule.weight[n]) * slope / (broadcast(1) + square(t)));
     }
   }
 };
@@ -111,12 +109,12 @@ void BrdfRow(std::span<const double> cosines, double roughness, std::span<ScaleB
   for (std::size_t first = 0; first < cosines.size(); first += hn::Lanes(d)) {
     const std::size_t count = std::min(hn::Lanes(d), cosines.size() - first);
     for (std::size_t k = 0; k < hn::Lanes(d); ++k) from[k] = cosines[first + std::min(k, count - 1)];
-    const V c = hn::Load(d, from.data()), one = number(1), s = hn::Sqrt(hn::Max(hn::Zero(d), hn::Sub(one, square(c))));
+    const V c = hn::Load(d, from.data()), one = broadcast(1), s = hn::Sqrt(hn::Max(hn::Zero(d), one - square(c)));
     Views views{c, s, hn::Zero(d), hn::Zero(d), alpha * alpha};
     // G bends where light is as low as the view is.
-    const V scale = hn::Div(one, hn::Add(number(1 / alpha), hn::Div(number(0.1), c)));
-    views.add_side(scale, hn::Div(c, hn::Add(one, s)), 1);
-    views.add_side(scale, hn::Div(s, hn::Add(one, c)), -1);
+    const V scale = one / (broadcast(1 / alpha) + broadcast(0.1) / c);
+    views.add_side(scale, c / (one + s), 1);
+    views.add_side(scale, s / (one + c), -1);
     hn::Store(views.white, d, white.data());
     hn::Store(views.fresnel, d, fresnel.data());
     for (std::size_t k = 0; k < count; ++k) out[first + k] = {white[k] - fresnel[k], fresnel[k]};
@@ -136,8 +134,8 @@ HWY_EXPORT(BrdfRow);
 }  // namespace prefiltering
 
 // With theta the polar angles of view and light, s and d half their sum and difference, psi the azimuth between light
-// and the mirror direction: 1 + v.l = 2 cos^2 s + sin(v) sin(l) (1 - cos psi),
-// cos(n,h)^2 = (cos(v) + cos(l))^2 / (2 (1 + v.l)), so
+// and the mirror direction:
+//   1 + v.l = 2 cos^2 s + sin(v) sin(l) (1 - cos psi),  cos(n,h)^2 = (cos(v) + cos(l))^2 / (2 (1 + v.l)),
 //   D(h) = 4 a^2 / pi x ((1 + v.l) / (A - B cos psi))^2,  A - B = 4 cos^2 s cos^2 d (tan^2 d + a^2),
 //   A + B = 4 cos^2 d (sin^2 s + a^2 cos^2 s):
 // a peak about d = 0 of the width a, and about psi = 0 of sqrt((A - B) / (A + B)). Light above the horizon is all that
@@ -173,8 +171,8 @@ struct Sample {
 };
 
 // Directions of light. Their cosines l lie in panels that grow by 4 from that of the view, as V bends there; l = high -
-// w t^2 takes the square root out of sin(n,l). Their azimuths pi (1 - u^2) lie closest opposite the view,
-// where h turns fastest.
+// w t^2 takes the square root out of sin(n,l). Their azimuths pi (1 - u^2) lie closest opposite the view, where h turns
+// fastest.
 std::vector<Sample> samples_for(double view) {
   const auto& lights = quadrature::rule<16>();
   const auto& azimuths = quadrature::rule<32>();

@@ -1,5 +1,5 @@
 /// @file
-/// Pieces of the sphere that are rectangles of a cube or latlong map, and their moments.
+/// Rectangles of a cube or latlong map as pieces of the sphere: Gauss points, solid angle, centre and bounding radius.
 #pragma once
 
 #include <algorithm>
@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include "envmap/maths/portable.h"
+#include "envmap/maths/quadrature.h"
 #include "envmap/projection/visit.h"
 
 namespace envmap::prefiltering {
@@ -22,30 +23,11 @@ decltype(auto) visit_source(Projection p, F&& f) {
   return f(Cube{});
 }
 
-/// A symmetric 3 x 3 matrix: xx, xy, xz, yy, yz, zz.
-struct Symmetric {
-  std::array<double, 6> m{};
-
-  void add_square(const Direction& v, double weight) {
-    m[0] += weight * v.x * v.x, m[1] += weight * v.x * v.y, m[2] += weight * v.x * v.z;
-    m[3] += weight * v.y * v.y, m[4] += weight * v.y * v.z, m[5] += weight * v.z * v.z;
-  }
-  void add(const Symmetric& other, double weight) {
-    for (std::size_t k = 0; k < m.size(); ++k) m[k] += weight * other.m[k];
-  }
-  /// Frobenius.
-  [[nodiscard]] double norm() const {
-    return std::sqrt(m[0] * m[0] + m[3] * m[3] + m[5] * m[5] + 2 * (m[1] * m[1] + m[2] * m[2] + m[4] * m[4]));
-  }
-};
-
-/// Moments of a piece of the sphere, evenly lit.
+/// Moments of a piece of the sphere under uniform light.
 struct Moments {
   double solid_angle = 0;
-  Direction centre{0};     ///< Mean direction: inside the sphere, by half the variance.
-  Symmetric covariance{};  ///< Of directions about the centre.
-  double spread = 0;       ///< Cube root of the mean |direction - centre|^3, or a little above.
-  double reach = 0;        ///< No direction is farther from the centre.
+  Direction centre{0};         ///< Mean direction: inside the sphere, by half the variance.
+  double bounding_radius = 0;  ///< No direction is farther from the centre.
 };
 
 inline std::array<Rect, 4> quarters(const Rect& r) {
@@ -53,7 +35,7 @@ inline std::array<Rect, 4> quarters(const Rect& r) {
   return {{{r.u0, r.v0, u, v}, {u, r.v0, r.u1, v}, {r.u0, v, u, r.v1}, {u, v, r.u1, r.v1}}};
 }
 
-/// Puts parts together.
+/// The moments of several pieces together.
 inline Moments united(std::span<const Moments> parts) {
   Moments whole;
   for (const Moments& p : parts) {
@@ -62,27 +44,18 @@ inline Moments united(std::span<const Moments> parts) {
   }
   if (whole.solid_angle <= 0) return {};
   whole.centre /= whole.solid_angle;
-  double cubes = 0;
-  for (const Moments& p : parts) {
-    const Direction off = p.centre - whole.centre;
-    const double share = p.solid_angle / whole.solid_angle, distance = glm::length(off);
-    whole.covariance.add(p.covariance, share);
-    whole.covariance.add_square(off, share);
-    const double far = p.spread + distance;
-    cubes += share * far * far * far;
-    whole.reach = std::max(whole.reach, p.reach + distance);
-  }
-  whole.spread = portable::cbrt(cubes);
+  for (const Moments& p : parts)
+    whole.bounding_radius = std::max(whole.bounding_radius, p.bounding_radius + glm::length(p.centre - whole.centre));
   return whole;
 }
 
 /// 2 x 2 Gauss points of a rectangle with their solid angles.
 template <class P>
 void gauss_points(int face, const Rect& r, std::array<Direction, 4>& points, std::array<double, 4>& weights) {
-  constexpr double g = 0.28867513459481287;  // 1 / (2 sqrt(3))
+  constexpr double g = 0.5 * quadrature::gauss_2.node[1];
   const double w = r.u1 - r.u0, h = r.v1 - r.v0, u = 0.5 * (r.u0 + r.u1), v = 0.5 * (r.v0 + r.v1);
   if constexpr (std::is_same_v<P, Latlong>) {
-    // The two meridians and the two parallels: what Latlong says of each point, in half the time.
+    // Two meridians and two parallels: the same as Latlong's formula for each point, in half the time.
     std::array<double, 2> sine, cosine;
     for (std::size_t k = 0; k < 2; ++k) {
       const double longitude = 2 * (0.5 - (u + (k ? g : -g) * w));
@@ -104,7 +77,8 @@ void gauss_points(int face, const Rect& r, std::array<Direction, 4>& points, std
   }
 }
 
-/// What a rectangle spans at most, from its Gauss points: sqrt(3) of their distance, and what a sphere bends.
+/// The most that a rectangle spans, from its Gauss points: sqrt(3) times their distance, and a margin for the curvature
+/// of the sphere.
 inline double diagonal(const std::array<Direction, 4>& gauss) {
   return 1.75 * std::max(glm::length(gauss[0] - gauss[3]), glm::length(gauss[1] - gauss[2]));
 }
@@ -122,20 +96,13 @@ std::optional<Moments> small_cell(int face, const Rect& r, bool anyway = false) 
   found.solid_angle = weights[0] + weights[1] + weights[2] + weights[3];
   if (found.solid_angle <= 0) return Moments{};
   for (std::size_t k = 0; k < 4; ++k) found.centre += weights[k] / found.solid_angle * points[k];
-  for (std::size_t k = 0; k < 4; ++k)
-    found.covariance.add_square(points[k] - found.centre, weights[k] / found.solid_angle);
-  // Farther to the thin end of a wedge, such as a texel at a pole.
+  // The thin end of a wedge, such as a texel at a pole, lies farther from the centre.
   const auto [least, most] = std::ranges::minmax(weights);
-  found.reach = 0.5 * across * (1 + 0.6 * (most - least) / (most + least));
-  // Cauchy and Schwarz: the cube of it is at most the root of E|o|^2 E|o|^4, and E|o|^4 at most 1.8 (E|o|^2)^2, that of
-  // a line;
-  // 1.8^(1/6) = 1.103, and a little for wedges.
-  const auto& m = found.covariance.m;
-  found.spread = 1.15 * std::sqrt(m[0] + m[3] + m[5]);
+  found.bounding_radius = 0.5 * across * (1 + 0.6 * (most - least) / (most + least));
   return found;
 }
 
-/// Moments of any rectangle, by its quarters where it is not small.
+/// Moments of any rectangle: those of its quarters together where it is not small.
 template <class P>
 Moments moments(int face, const Rect& cell, int depth = 0) {
   if (const std::optional<Moments> found = small_cell<P>(face, cell, depth >= 9)) return *found;
@@ -145,8 +112,8 @@ Moments moments(int face, const Rect& cell, int depth = 0) {
   return united(parts);
 }
 
-/// f(direction, solid angle) at Gauss points of a rectangle, cut until none of its parts spans more than `across`
-/// radians.
+/// Calls f(direction, solid angle) at Gauss points of a rectangle, which is divided until none of its parts spans more
+/// than `across` radians.
 template <class P, class F>
 void for_points(int face, const Rect& rect, double across, F&& f, int depth = 0) {
   std::array<Direction, 4> points;

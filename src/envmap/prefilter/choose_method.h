@@ -1,8 +1,9 @@
 /// @file
-/// The quickest way to make a map within an error: what each method would take, in one unit, by counted work.
+/// The method of least predicted cost that makes a map within an error. One table of costs, in nanoseconds for each
+/// unit of counted work, predicts all methods.
 #pragma once
 
-#include <optional>
+#include <variant>
 
 #include "envmap/prefilter/multilevel/multilevel.h"
 #include "envmap/prefilter/prefilter.h"
@@ -12,16 +13,14 @@
 
 namespace envmap::prefiltering {
 
+/// A method and its plan for a map. `plan` is empty for the exact sum.
 struct Choice {
   Method method = Method::exact;
-  double cost = 0;                        ///< About, in nanoseconds of two cores, with what the source takes.
-  std::optional<HingePolynomial> hinges;  ///< Of prefix sums.
-  std::optional<MultilevelPlan> plan;     ///< Of multilevel sums,
-  std::optional<SheenPlan> sheen;         ///< or those of sheen.
-  std::optional<TreecodeLobe> tree;       ///< Of the treecode.
+  double cost = 0;  ///< In nanoseconds of two cores, preparing the source included.
+  std::variant<std::monostate, ClampedCosinePolynomial, MultilevelPlan, SheenPlan, TreecodeLobe> plan = {};
 };
 
-/// @param texels of the whole result. @param wanted a method, or the quickest that serves.
+/// @param texels of the whole result. @param wanted a method, or automatic for the quickest.
 Choice choose(const Lobe& lobe, const Level& source, double texels, double error, Method wanted);
 
 }  // namespace envmap::prefiltering

@@ -1,3 +1,5 @@
+// Projection of a map onto spherical harmonics: texels of cubes by Gauss points, rows of latlong maps by closed forms
+// in longitude. Convolution and evaluation of the coefficients.
 #include "envmap/prefilter/harmonics.h"
 
 #include <fmt/format.h>
@@ -74,8 +76,8 @@ std::vector<Flux> row_of(const Level& level, const Recursion& recursion, const R
   return sums;
 }
 
-// Harmonics are products of a function of longitude and one of latitude,
-// so a latlong row is summed along its longitudes first.
+// Harmonics are products of a function of longitude and one of latitude, so a latlong row is summed along its
+// longitudes first.
 class LatlongRows {
  public:
   LatlongRows(const Level& level, const Recursion& recursion, const Rotation& to_world)
@@ -180,7 +182,7 @@ Harmonics project(const EnvironmentMap& map, int order, const Run& run) {
     const Recursion recursion(order);
     const Rotation to_world = image_to_world(cube ? cube->forward : map.forward);
     Harmonics found{order, std::vector<Flux>(std::size_t((order + 1) * (order + 1)), Flux(0))};
-    std::vector<std::array<Sum, 3>> totals(found.coefficients.size());
+    std::vector<std::array<CompensatedSum, 3>> totals(found.coefficients.size());
     std::optional<LatlongRows> latlong;
     if (level.projection() == Projection::latlong) latlong.emplace(level, recursion, to_world);
     const int rows = level.faces() * level.height();
@@ -238,8 +240,8 @@ EnvironmentMap evaluate(const Harmonics& h, Projection to, int size, Forward for
 std::vector<double> zonal(const Lobe& lobe, int order) {
   check_range({"order", 0, 100000}, order);
   const auto value = [&](double x) { return std::visit([x](const auto& l) { return l.value(x); }, lobe); };
-  // Panels that halve towards the middle of the lobe, as far as it changes, and towards the horizon,
-  // where it may be bent.
+  // Panels that halve towards the middle of the lobe, as far as it changes, and towards the horizon, where it may be
+  // bent.
   const double width = std::visit([](const auto& l) { return l.width(); }, lobe);
   std::vector<double> breaks{0};
   for (int k = std::min(-1, std::ilogb(width) - 8); k <= -1; ++k) breaks.push_back(std::ldexp(1.0, k));

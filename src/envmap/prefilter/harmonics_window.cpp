@@ -1,3 +1,5 @@
+// The search for the weakest window that leaves no irradiance negative: points of a grid first, then descent to the
+// lowest places between them.
 #include "envmap/prefilter/harmonics_window.h"
 
 #include <algorithm>
@@ -114,8 +116,8 @@ class Irradiance {
     return 0.25 * step_ * step_ * bend;
   }
 
-  // Down to the bottom, to 1e-8 of what it is below the points: steps in the tangent plane,
-  // halved where none of them leads down.
+  // Down to the bottom, to 1e-8 of what it is below the points: steps in the tangent plane, halved where none of them
+  // leads down.
   [[nodiscard]] double descend(Direction at, double value, std::span<const double> window, int channel) const {
     std::vector<double> y(series_.coefficients.size());
     std::vector<Flux> degree(degrees_);

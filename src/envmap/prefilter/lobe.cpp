@@ -1,3 +1,5 @@
+// Closed forms of the lobes and of their integrals. Where a closed form loses digits to cancellation, its series takes
+// over.
 #include "envmap/prefilter/lobe.h"
 
 #include <cmath>

@@ -1,8 +1,8 @@
 /// @file
-/// Lobes: the kernels of a prefilter, radially symmetric about the direction asked for.
+/// Lobes: the kernels of a prefilter, radially symmetric about the output's direction.
 ///
 /// A lobe is a small type over x = 1 - cos(angle to the middle), x in [0,2], so that narrow lobes keep their digits.
-/// Its formula for vectors of lanes stands in lobe_lanes-inl.h.
+/// lobe_lanes-inl.h has its formula for vectors of lanes.
 #pragma once
 
 #include <algorithm>
@@ -16,23 +16,19 @@
 
 namespace ENVMAP_EXPORT envmap {
 
-/// What every lobe is, and what the methods take for granted of it: 0 below the horizon (x >= 1), rising with x up to a
-/// peak and falling from there, and of integral 1 over the sphere, so that white stays white.
+/// Every lobe is 0 below the horizon (x >= 1), rises with x up to a peak and falls from there. Its integral over the
+/// sphere is 1, so that white stays white. The methods rely on all of this.
 template <class L>
 concept RadialLobe = requires(const L& l, double x) {
   { L::name } -> std::convertible_to<std::string_view>;
   { L::parameter_name } -> std::convertible_to<std::string_view>;  ///< Empty: it has none.
   { l.value(x) } -> std::same_as<double>;    ///< Per steradian.
-  { l.share(x) } -> std::same_as<double>;    ///< Part of the lobe within x, in [0,1].
-  { l.missing(x) } -> std::same_as<double>;  ///< 1 - share(x) with its own digits.
+  { l.share(x) } -> std::same_as<double>;    ///< Integral of the lobe within x (its cdf), in [0,1].
+  { l.missing(x) } -> std::same_as<double>;  ///< 1 - share(x) (its ccdf), with its own digits.
   { l.peak() } -> std::same_as<double>;      ///< x at which it is largest; 0 but for sheen.
-  { l.rate(x) } -> std::same_as<double>;     ///< |d ln(value) / dx|, or more: how fast it falls or rises.
-  { l.width() } -> std::same_as<double>;     ///< About how far in x it falls to 1/e.
-  /// Of all x: steepest in the middle, not stepped or bent down at the horizon.
-  { l.convex() } -> std::same_as<bool>;
-  { l.breaks_off() } -> std::same_as<bool>;  ///< At the horizon, by a step or an edge of any steepness.
-  /// How much its slope changes at the horizon, where it does not break off.
-  { l.kink() } -> std::same_as<double>;
+  { l.rate(x) } -> std::same_as<double>;     ///< Upper bound of |d ln(value) / dx|.
+  { l.width() } -> std::same_as<double>;     ///< About the x at which it has fallen to 1/e.
+  { l.kink() } -> std::same_as<double>;  ///< The jump of its slope at the horizon, where the lobe is continuous.
 };
 
 /// Lambert's cosine: value = cos / pi. A diffuse map is the irradiance over pi of a plane that faces the direction.
@@ -44,8 +40,6 @@ struct Cosine {
   [[nodiscard]] double rate(double x) const { return x < 1 ? 1 / (1 - x) : 0; }
   [[nodiscard]] double peak() const { return 0; }
   [[nodiscard]] double width() const { return 0.63; }
-  [[nodiscard]] bool convex() const { return true; }
-  [[nodiscard]] bool breaks_off() const { return false; }
   [[nodiscard]] double kink() const { return 1 / pi; }
 };
 
@@ -61,9 +55,7 @@ struct Phong {
   [[nodiscard]] double rate(double x) const { return x < 1 ? exponent / (1 - x) : 0; }
   [[nodiscard]] double peak() const { return 0; }
   [[nodiscard]] double width() const { return 0.63 * std::min(1.0, 2 / (exponent + 1)); }
-  [[nodiscard]] bool convex() const { return exponent >= 1; }
-  [[nodiscard]] bool breaks_off() const { return exponent < 1; }
-  [[nodiscard]] double kink() const { return 0; }  ///< Of exponent 1 it is Cosine.
+  [[nodiscard]] double kink() const { return 0; }  ///< Exponent 1 is Cosine.
 };
 
 /// Trowbridge and Reitz's distribution (1975; "GGX": Walter et al. 2007) as the split sum wants it (Karis 2013, "Real
@@ -94,8 +86,6 @@ struct Ggx {
   [[nodiscard]] double rate(double x) const { return x < 1 ? 1 / (1 - x) + 2 * b / (a + b * x) : 0; }
   [[nodiscard]] double peak() const { return 0; }
   [[nodiscard]] double width() const { return std::min(0.63, 0.65 * a); }
-  [[nodiscard]] bool convex() const { return true; }
-  [[nodiscard]] bool breaks_off() const { return false; }
   [[nodiscard]] double kink() const { return scale / ((a + b) * (a + b)); }
 
  private:
@@ -123,8 +113,6 @@ struct BlinnPhong {
   [[nodiscard]] double rate(double x) const { return x < 1 ? 1 / (1 - x) + power / (2 - x) : 0; }
   [[nodiscard]] double peak() const { return 0; }
   [[nodiscard]] double width() const { return 0.63 * std::min(1.0, 4 / (power + 2)); }
-  [[nodiscard]] bool convex() const { return true; }
-  [[nodiscard]] bool breaks_off() const { return false; }
   [[nodiscard]] double kink() const { return scale * at_horizon; }
 
  private:
@@ -148,8 +136,6 @@ struct Charlie {
   [[nodiscard]] double peak() const { return power / (power + 1); }
   [[nodiscard]] double rate(double x) const { return x < 1 ? power / std::max(1e-300, x) + 1 / (1 - x) : 0; }
   [[nodiscard]] double width() const { return 0.63 / (power + 1); }
-  [[nodiscard]] bool convex() const { return false; }
-  [[nodiscard]] bool breaks_off() const { return false; }
   [[nodiscard]] double kink() const { return scale(); }
 };
 

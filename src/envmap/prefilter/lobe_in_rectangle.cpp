@@ -1,3 +1,5 @@
+// The integral along a border: sides are cut where they cross the horizon and graded where the lobe is steep, and each
+// part is halved until Gauss's rule of five points agrees with that of its halves.
 #include "envmap/prefilter/lobe_in_rectangle.h"
 
 #include <algorithm>
@@ -34,21 +36,20 @@ class RoundBorder {
   RoundBorder(const L& lobe, const Direction& r, int face, const Rect& rect)
       : lobe_(lobe), r_(r), face_(face), near_(!is_outside<P>(r, face, rect)) {}
 
-  [[nodiscard]] Integral operator()(const Border<P>& border, double solid_angle, double reach, double nearest,
-                                    double enough) const {
+  [[nodiscard]] double operator()(const Border<P>& border, double solid_angle, double bounding_radius,
+                                  double nearest) const {
     thread_local std::vector<Part> parts;
     parts.clear();
     for (const auto& edge : border.edges) add(edge, parts);
-    // Where the horizon leaves but a corner the points may see nothing: what there is at most counts a little.
-    double scale = 1e-3 * reach * (near_ ? 1 : lobe_.missing(nearest));
+    // Where the horizon leaves only a corner, the points may see nothing. The most that can be there counts a little.
+    double scale = 1e-3 * bounding_radius * (near_ ? 1 : lobe_.missing(nearest));
     for (const Part& part : parts) scale += std::abs(part.whole);
     // The sides may cancel: what is left counts beside the mean of the source, of which no texel holds more than 4 pi
     // steradians, and errors are counted from a thousandth of that. Below 1e-14 rounding takes over.
-    const double tolerance = std::max(enough, std::clamp(5e-11 * solid_angle, 1e-14 * scale, 1e-8 * scale));
-    Integral sum;
+    const double tolerance = std::clamp(5e-11 * solid_angle, 1e-14 * scale, 1e-8 * scale);
+    double sum = 0;
     for (const Part& part : parts) add_integral(part, tolerance, sum);
-    sum.value = std::max(0.0, border.right_handed ? sum.value : -sum.value);
-    return sum;
+    return std::max(0.0, border.right_handed ? sum : -sum);
   }
 
  private:
@@ -76,7 +77,7 @@ class RoundBorder {
     return 0.5 * length * sum;
   }
 
-  // Parts of a side. They end where it crosses the horizon, which may leave less of it than points would see.
+  // Adds the parts of a side. They end where it crosses the horizon, as points could miss a short part above it.
   void add(const typename Border<P>::Edge& edge, std::vector<Part>& parts) const {
     const Side& side = edge.side;
     const auto above = [&](const Direction& l) { return glm::dot(r_, l) > 0; };
@@ -96,7 +97,7 @@ class RoundBorder {
       const bool before = above(edge.along[k]);
       if (above(edge.along[k + 1]) == before) continue;
       const double w = crossing(side, side.at(double(k) / steps), side.at((k + 1.0) / steps));
-      // Not off a sliver.
+      // A crossing next to an end would leave a sliver.
       const double least = 1e-6 * std::abs(side.to - side.from);
       if (std::abs(w - rest.from) <= least || std::abs(w - side.to) <= least) continue;
       parts.push_back({{side.along_u, side.fixed, rest.from, w}, gauss(side, rest.from, w)});
@@ -104,7 +105,8 @@ class RoundBorder {
     }
     parts.push_back({rest, gauss(rest, rest.from, rest.to)});
   }
-  // Parts that grow with their distance from the nearest place, so that points see a lobe much narrower than a side.
+  // Adds parts that grow with their distance from the nearest place: points then resolve a lobe much narrower than the
+  // side.
   void add_graded(const Side& side, double nearest, std::vector<Part>& parts) const {
     for (const bool forwards : {false, true}) {
       double far = forwards ? side.to : side.from;
@@ -123,11 +125,11 @@ class RoundBorder {
   [[nodiscard]] double versine_at(const Side& side, double w) const {
     return versine(r_, side.template direction<P>(face_, w));
   }
-  // Whether what is beyond a place is but a small part of what is beyond a nearer one.
+  // Whether the lobe beyond a place is a small part of the lobe beyond a nearer place.
   [[nodiscard]] bool is_steep(const Side& side, double near, double far) const {
     return lobe_.missing(versine_at(side, far)) < 0.05 * lobe_.missing(versine_at(side, near));
   }
-  // The vertex of parabolas, each over less of the side.
+  // The place nearest to the lobe's middle: vertices of parabolas through three points, over less and less of the side.
   [[nodiscard]] double nearest_place(const Side& side) const {
     const double low = std::min(side.from, side.to), high = std::max(side.from, side.to);
     double at = 0.5 * (low + high), h = 0.5 * (high - low);
@@ -138,7 +140,7 @@ class RoundBorder {
     }
     return at;
   }
-  // Where a side crosses the horizon: the rule of false position, the weight of an end that stays halved (Illinois
+  // The place where a side crosses the horizon, by false position with halved weights of an end that stays (Illinois
   // method: Dowell and Jarratt 1971).
   [[nodiscard]] double crossing(const Side& side, double low, double high) const {
     const auto height = [&](double w) { return glm::dot(r_, side.template direction<P>(face_, w)); };
@@ -155,7 +157,7 @@ class RoundBorder {
     }
     return high;
   }
-  void add_integral(const Part& p, double tolerance, Integral& sum) const {
+  void add_integral(const Part& p, double tolerance, double& sum) const {
     const Side& s = p.side;
     if (p.halved)
       add_halves(s, s.from, s.to, p.whole, p.first, p.second, tolerance, 16, sum);
@@ -163,15 +165,15 @@ class RoundBorder {
       add_integral(s, s.from, s.to, p.whole, tolerance, 16, sum);
   }
   void add_integral(const Side& side, double from, double to, double whole, double tolerance, int depth,
-                    Integral& sum) const {
+                    double& sum) const {
     const double middle = 0.5 * (from + to);
     add_halves(side, from, to, whole, gauss(side, from, middle), gauss(side, middle, to), tolerance, depth, sum);
   }
   void add_halves(const Side& side, double from, double to, double whole, double first, double second, double tolerance,
-                  int depth, Integral& sum) const {
-    const double middle = 0.5 * (from + to), off = std::abs(first + second - whole);
-    if (depth == 0 || off <= tolerance) {
-      sum.value += first + second, sum.error += off;
+                  int depth, double& sum) const {
+    const double middle = 0.5 * (from + to), change = std::abs(first + second - whole);
+    if (depth == 0 || change <= tolerance) {
+      sum += first + second;
       return;
     }
     add_integral(side, from, middle, first, tolerance, depth - 1, sum);
@@ -187,14 +189,14 @@ class RoundBorder {
 }  // namespace
 
 template <class P, class L>
-Integral integral_round(const Border<P>& border, const L& lobe, const Direction& r, int face, const Rect& rect,
-                        double solid_angle, double reach, double nearest, double enough) {
-  return RoundBorder<P, L>(lobe, r, face, rect)(border, solid_angle, reach, nearest, enough);
+double integral_round(const Border<P>& border, const L& lobe, const Direction& r, int face, const Rect& rect,
+                      double solid_angle, double bounding_radius, double nearest) {
+  return RoundBorder<P, L>(lobe, r, face, rect)(border, solid_angle, bounding_radius, nearest);
 }
 
-#define ENVMAP_ROUND(P, L)                                                                                       \
-  template Integral integral_round<P, L>(const Border<P>&, const L&, const Direction&, int, const Rect&, double, \
-                                         double, double, double)
+#define ENVMAP_ROUND(P, L)                                                                                             \
+  template double integral_round<P, L>(const Border<P>&, const L&, const Direction&, int, const Rect&, double, double, \
+                                       double)
 ENVMAP_ROUND(Latlong, Cosine);
 ENVMAP_ROUND(Latlong, Phong);
 ENVMAP_ROUND(Latlong, Ggx);

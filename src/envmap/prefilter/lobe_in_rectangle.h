@@ -1,15 +1,13 @@
 /// @file
-/// The integral of a lobe over a rectangle of a cube or latlong map, round its border: with S the lobe's share within
-/// an angle, that of S / (2 pi) d(azimuth) (Green's theorem).
+/// The integral of a lobe over a rectangle of a cube or latlong map, as an integral along its border.
+///
+/// With S the integral of the lobe within an angle, it is that of S / (2 pi) d(azimuth) (Green's theorem). No width of
+/// the lobe makes that hard: a lobe much narrower than the rectangle is a smooth S nearly everywhere on the border.
 #pragma once
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
-#include <cstdint>
-#include <optional>
-#include <vector>
 
 #include "envmap/prefilter/cell_moments.h"
 
@@ -37,12 +35,12 @@ inline std::array<Side, 4> sides_of(const Rect& r) {
   return {{{true, r.v0, r.u0, r.u1}, {false, r.u1, r.v0, r.v1}, {true, r.v1, r.u1, r.u0}, {false, r.u0, r.v1, r.v0}}};
 }
 
-/// A point of the border with l x dl/dw.
+/// A point l of the border, with turn = l x dl/dw.
 struct BorderPoint {
   Direction l, turn;
 };
 
-/// dl/dw is that of the projection's formula; of a cube, where l = q / |q| with q on the face, l x dl = l x dq / |q|.
+/// dl/dw follows from the projection's formula. On a cube l = q / |q| with q on the face, and l x dl = l x dq / |q|.
 template <class P>
 BorderPoint border_point(int face, const Side& side, double w) {
   const Direction l = side.direction<P>(face, w);
@@ -57,8 +55,8 @@ BorderPoint border_point(int face, const Side& side, double w) {
   }
 }
 
-/// What of a border no direction changes: points along each side, and those of three Gauss rules,
-/// of the whole and of halves.
+/// The part of a border's sums that no direction changes: points along each side, and the points of three Gauss rules,
+/// over the whole side and over its halves.
 template <class P>
 struct Border {
   static constexpr std::size_t steps = 8, nodes = 5;
@@ -69,7 +67,7 @@ struct Border {
     std::array<Rule, 3> rules;
   };
   std::array<Edge, 4> edges;
-  bool right_handed;  ///< Whether u, v and the outward direction are; else the border runs the other way round.
+  bool right_handed;  ///< If u, v and the outward direction are. Else the border runs clockwise.
 
   Border(int face, const Rect& rect) : right_handed(is_right_handed(face)) {
     const std::array<Side, 4> sides = sides_of(rect);
@@ -96,39 +94,11 @@ struct Border {
   }
 };
 
-/// The border of a rectangle; those made last are kept for the same thread,
-/// as neighbouring directions ask for the same.
-template <class P>
-const Border<P>& recent_border(int face, const Rect& rect) {
-  struct Kept {
-    int face;
-    Rect rect;
-    Border<P> border;
-  };
-  thread_local std::vector<std::optional<Kept>> kept(128);
-  std::uint64_t hash = std::uint64_t(face);
-  for (const double x : {rect.u0, rect.v0, rect.u1, rect.v1})
-    hash = 0x9E3779B97F4A7C15U * (hash ^ std::bit_cast<std::uint64_t>(x));
-  std::optional<Kept>& place = kept[hash >> 57];
-  const auto is_it = [&](const Rect& r) {
-    return r.u0 == rect.u0 && r.v0 == rect.v0 && r.u1 == rect.u1 && r.v1 == rect.v1;
-  };
-  if (!place || place->face != face || !is_it(place->rect)) place = Kept{face, rect, Border<P>(face, rect)};
-  return place->border;
-}
-
-/// An integral, and what it may be off: the sum of what halving each of its parts changed,
-/// some hundred times the true error.
-struct Integral {
-  double value = 0, error = 0;
-};
-
-/// The integral of a lobe over a rectangle, round its border.
-/// @param r the direction in which the lobe is. @param solid_angle of the rectangle.
-/// @param reach of the rectangle from its middle. @param nearest x of the nearest point, from below.
-/// @param enough what a part may be off.
+/// The integral of a lobe over a rectangle, along its border.
+/// @param r the direction of the lobe. @param solid_angle of the rectangle.
+/// @param bounding_radius of the rectangle about its middle. @param nearest lower bound of x over the rectangle.
 template <class P, class L>
-Integral integral_round(const Border<P>& border, const L& lobe, const Direction& r, int face, const Rect& rect,
-                        double solid_angle, double reach, double nearest, double enough = 0);
+double integral_round(const Border<P>& border, const L& lobe, const Direction& r, int face, const Rect& rect,
+                      double solid_angle, double bounding_radius, double nearest);
 
 }  // namespace envmap::prefiltering

@@ -1,3 +1,5 @@
+// PrefilterSource: checks the options, chooses a method, makes the map, and sums the texels exactly whose bounds exceed
+// the error that was asked for.
 #include "envmap/prefilter/prefilter.h"
 
 #include <fmt/format.h>
@@ -34,7 +36,7 @@ using namespace prefiltering;
 
 namespace {
 
-constexpr double finest = 1e-5;  // Errors below this are left to float64.
+constexpr double finest = 1e-5;  // Smaller errors take the exact sum.
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -55,13 +57,13 @@ void scale(Level& level, double factor) {
   });
 }
 
-// What --scale makes of a normalised lobe.
+// The factor of Prefilter::scale over a normalised lobe.
 double factor(const Prefilter& p) {
   if (!p.scale) return 1;
   return p.shape == Shape::phong ? *p.scale * 2 * pi / (p.parameter + 1) : *p.scale;
 }
 
-// What a mirror shows: the source's own texels, or its mean over each texel where the result has others.
+// A mirror shows the texels of the source, or its mean over each texel where the result has another grid.
 void make_mirror(const EnvironmentMap& source, const Prefilter& p, Prefiltered& done) {
   ConvertOptions how{.to = {p.to, p.forward}, .size = p.size};
   done.resampled = Filter::nearest;
@@ -76,29 +78,38 @@ void make_mirror(const EnvironmentMap& source, const Prefilter& p, Prefiltered& 
   done.map.base() = level_of(some_rows(rows, p.rows));
 }
 
-// Makes a map by the fast method that is wanted and serves, with the bounds of its texels. What is decided for the map
-// is decided from all of it, whatever rows are wanted. @param texels of the whole map. @return the method; exact where
-// no other is to be used.
+// A map by the plan of each method. @param error of each texel.
+struct Make {
+  PreparedSource& from;
+  double error;
+  const TargetTexels& map;
+
+  [[nodiscard]] const PrefixSums* prefix_sums(const ClampedCosinePolynomial& p, bool needed) const {
+    return needed ? &from.prefix_sums(p.order(), error) : nullptr;
+  }
+  void operator()(const std::monostate&) const {}
+  void operator()(const ClampedCosinePolynomial& polynomial) const {
+    prefix_sums_map(*prefix_sums(polynomial, true), polynomial, error, from.light.mean, map);
+  }
+  void operator()(const MultilevelPlan& plan) const { multilevel_map(plan, from.multilevel(plan, error), map); }
+  void operator()(const SheenPlan& plan) const { sheen_map(plan, from.sheen(plan.texel()), from.light.mean, map); }
+  void operator()(const TreecodeLobe& lobe) const {
+    treecode_map(from.tree(), prefix_sums(lobe.horizon_terms, lobe.has_horizon_terms()), lobe, error, map);
+  }
+};
+
+// Makes a map by the wanted method, with the bounds of its texels. All decisions follow from the whole map, whatever
+// rows are wanted. @param texels of the whole map. @return the method; exact where prefilter sums the texels exactly.
 Method make_fast(PreparedSource& from, const Prefilter& wanted, const Lobe& lobe, std::size_t texels,
-                 const Making& map) {
+                 const TargetTexels& map) {
   const double error = wanted.max_error;
   if (wanted.method == Method::exact || error < finest) return Method::exact;
-  const Choice how = choose(lobe, from.texels(), double(texels), error, wanted.method);
-  const double mean = from.light.mean;
-  if (mean <= 0)
-    std::ranges::fill(map.bounds, 0.F);
-  else if (how.method == Method::exact)
-    return Method::exact;
-  else if (how.hinges)
-    hinge_map(from.hinges(how.hinges->order(), error), *how.hinges, error, mean, map);
-  else if (how.plan)
-    multilevel_map(*how.plan, from.multilevel(*how.plan, error), map);
-  else if (how.sheen)
-    sheen_map(*how.sheen, from.sheen(how.sheen->texel()), mean, map);
+  const Choice choice = choose(lobe, from.texels(), double(texels), error, wanted.method);
+  if (from.light.mean <= 0)
+    std::ranges::fill(map.bounds, 0.F);  // All is black.
   else
-    treecode_map(from.tree(), how.tree->has_hinges() ? &from.hinges(how.tree->hinges.order(), error) : nullptr,
-                 *how.tree, error, map);
-  return how.method;
+    std::visit(Make{from, error, map}, choice.plan);
+  return choice.method;
 }
 
 // The turn of this thread. One that is asked to stop while others take theirs ends at once.
@@ -109,13 +120,13 @@ std::unique_lock<std::timed_mutex> wait_for_turn(std::timed_mutex& in_use, const
   return turn;
 }
 
-// Texels that are not known well enough are summed exactly.
+// Makes a map. Texels whose bounds exceed the error are summed exactly.
 void make_lobe(PreparedSource& from, const Prefilter& wanted, const Target& target, const Progress& progress,
                Prefiltered& done) {
   Level& out = done.map.base();
   const Lobe lobe = lobe_of(wanted);
   std::vector<float> bounds(index_of(out, {out.faces(), 0, 0}), std::numeric_limits<float>::infinity());
-  const Making map{target, wanted.rows, out, bounds, progress};
+  const TargetTexels map{target, wanted.rows, out, bounds, progress};
   std::vector<Texel> all = texels_of(out), left;
   done.method = make_fast(from, wanted, lobe, all.size(), map);
   std::erase_if(all, [&](const Texel& t) { return !map.wants(t.face, t.j); });
@@ -179,9 +190,9 @@ std::string_view method_name(const Prefiltered& done) {
 
 Lobe lobe_of(const Prefilter& p) {
   const Lobe lobe = lobe_by_shape(p);
-  if (p.method == Method::prefix_sums && !is_mirror(p) && !hinge_polynomial(lobe))
+  if (p.method == Method::prefix_sums && !is_mirror(p) && !clamped_cosine_polynomial(lobe))
     throw UsageError("prefix sums make diffuse maps, phong of exponent 1, 2 or 3 and ggx of roughness 1");
-  if (p.method == Method::multilevel && !is_mirror(p) && !hinge_polynomial(lobe) &&
+  if (p.method == Method::multilevel && !is_mirror(p) && !clamped_cosine_polynomial(lobe) &&
       !multilevel_plan(lobe, p.max_error) && !sheen_plan(lobe, p.max_error))
     throw UsageError(
         "multilevel sums make diffuse maps, phong of exponent 1, 2, 3 and from 4, blinn-phong from 2, ggx, and charlie "

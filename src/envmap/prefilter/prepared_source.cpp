@@ -1,3 +1,4 @@
+// Makes each pyramid of a source on first use.
 #include "envmap/prefilter/prepared_source.h"
 
 #include <utility>
@@ -17,32 +18,33 @@ PreparedSource::PreparedSource(std::optional<EnvironmentMap>&& given, const Envi
       light(totals(map.base())),
       fine_(refined(map.base())) {}
 
-const Colour& PreparedSource::darkest() {
-  if (!darkest_) darkest_ = darkest_of(texels());
-  return *darkest_;
+const Colour& PreparedSource::min_radiance() {
+  if (!min_radiance_) min_radiance_ = min_radiance_of(texels());
+  return *min_radiance_;
 }
 
 const Tree& PreparedSource::tree() {
-  if (!tree_) tree_.emplace(small_texels(), light.mean);
+  if (!tree_) tree_.emplace(small_texels(), light.mean, (fine_ ? totals(*fine_) : light).flux, min_radiance());
   return *tree_;
 }
 
-const Hinges& PreparedSource::hinges(int order, double error) {
-  if (!hinges_ || !hinges_->fits(order, error)) hinges_.emplace(small_texels(), light.mean, darkest(), order, error);
-  return *hinges_;
+const PrefixSums& PreparedSource::prefix_sums(int order, double error) {
+  if (!prefix_sums_ || !prefix_sums_->fits(order, error))
+    prefix_sums_.emplace(small_texels(), light.mean, min_radiance(), order, error);
+  return *prefix_sums_;
 }
 
 MultilevelSource PreparedSource::multilevel(const MultilevelPlan& plan, double error) {
   const SourceGrids& grids =
-      grids_.try_emplace(plan.finest(), texels(), light.mean, darkest(), plan.finest()).first->second;
-  return {small_texels(), grids, plan.has_hinges() ? &hinges(plan.hinges.order(), error) : nullptr, light.mean,
-          darkest()};
+      grids_.try_emplace(plan.finest(), texels(), light.mean, min_radiance(), plan.finest()).first->second;
+  return {small_texels(), grids, plan.has_horizon_terms() ? &prefix_sums(plan.horizon_terms.order(), error) : nullptr,
+          light.mean, min_radiance()};
 }
 
 const SheenBlocks& PreparedSource::sheen(double texel) {
   const std::optional<Level> finer = refined(texels(), texel);
   const Level& fine = finer ? *finer : texels();
-  return blocks_.try_emplace(fine.height(), fine, light.mean, darkest()).first->second;
+  return blocks_.try_emplace(fine.height(), fine, light.mean, min_radiance()).first->second;
 }
 
 }  // namespace envmap::prefiltering

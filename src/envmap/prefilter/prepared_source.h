@@ -1,5 +1,6 @@
 /// @file
-/// A source and what the methods sum over, each made when it is wanted first.
+/// A source, and the pyramids of it that the methods sum over. Each pyramid is made when a method first asks for it.
+/// No result depends on the lobes that were made before.
 #pragma once
 
 #include <map>
@@ -17,31 +18,31 @@ class PreparedSource {
   const std::optional<EnvironmentMap> taken_, cube_;
 
  public:
-  const EnvironmentMap& map;  ///< A cube or latlong map: of another projection, the cube of it.
+  const EnvironmentMap& map;  ///< A cube or latlong map. A map of another projection is converted to a cube.
   const Totals light;
-  std::timed_mutex in_use;  ///< By the one map that is made.
+  std::timed_mutex in_use;  ///< Held while a map is made: one at a time.
 
   /// @param given a map to keep; else `lent` must outlive this. @throws InputError where a texel is no radiance.
   PreparedSource(std::optional<EnvironmentMap>&& given, const EnvironmentMap* lent, const Progress& progress);
 
   [[nodiscard]] const Level& texels() const { return map.base(); }
   [[nodiscard]] const Tree& tree();
-  /// @param order of the powers of t+, at most. @param error of the sums.
-  [[nodiscard]] const Hinges& hinges(int order, double error);
+  /// @param order highest power of t+. @param error of the sums.
+  [[nodiscard]] const PrefixSums& prefix_sums(int order, double error);
   [[nodiscard]] MultilevelSource multilevel(const MultilevelPlan& plan, double error);
-  /// @param texel an angle: blocks are of texels that are no larger.
+  /// @param texel an angle that the texels of the blocks do not exceed.
   [[nodiscard]] const SheenBlocks& sheen(double texel);
 
  private:
   [[nodiscard]] const Level& small_texels() const { return fine_ ? *fine_ : texels(); }
-  [[nodiscard]] const Colour& darkest();
+  [[nodiscard]] const Colour& min_radiance();
 
-  const std::optional<Level> fine_;  // In texels of 1.4 degrees, where those of the map are larger.
-  std::optional<Colour> darkest_;
+  const std::optional<Level> fine_;  // The map in texels of 1.4 degrees, where its own are larger.
+  std::optional<Colour> min_radiance_;
   std::optional<Tree> tree_;
-  std::optional<Hinges> hinges_;       // Of the order and error wanted last.
-  std::map<int, SourceGrids> grids_;   // By the rows of the finest: no result depends on earlier ones.
-  std::map<int, SheenBlocks> blocks_;  // By rows of texels.
+  std::optional<PrefixSums> prefix_sums_;  // For the order and error that were asked for last.
+  std::map<int, SourceGrids> grids_;       // By rows of the finest grid.
+  std::map<int, SheenBlocks> blocks_;      // By rows of texels.
 };
 
 }  // namespace envmap::prefiltering

@@ -1,3 +1,4 @@
+// Conversion to a cube, division of large texels, and the least radiance of a source.
 #include "envmap/prefilter/source_cube.h"
 
 #include <cmath>
@@ -21,6 +22,19 @@ std::optional<Level> refined(const Level& level, double texel) {
     for (int i = 0; i < out.width(); ++i) to[i] = *level.texel(face, i / parts, row / parts);
   });
   return out;
+}
+
+Colour min_radiance_of(const Level& source) {
+  Colour least(std::numeric_limits<float>::max());
+  for (const Colour& row : map_rows<Colour>(source.height(), [&](int j) {
+         Colour c(std::numeric_limits<float>::max());
+         for (int face = 0; face < source.faces(); ++face)
+           for (const Colour& texel : source.row(face, j)) c = glm::min(c, texel);
+         source.trim();
+         return c;
+       }))
+    least = glm::min(least, row);
+  return least;
 }
 
 }  // namespace envmap::prefiltering

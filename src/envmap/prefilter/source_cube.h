@@ -1,5 +1,5 @@
 /// @file
-/// What is prefiltered: a cube or a latlong map, radiance constant over each texel.
+/// The source of a prefilter: a cube or a latlong map, with constant radiance over each texel.
 #pragma once
 
 #include <optional>
@@ -13,14 +13,18 @@ namespace envmap::prefiltering {
 /// filter at its own density, matching_size(). Nothing for a cube and a latlong map, which are sources themselves.
 std::optional<EnvironmentMap> source_cube(const EnvironmentMap& map, const Progress& progress = {});
 
-/// Of a map from pole to pole: of a cube those of two faces.
+/// Rows of a map from pole to pole: those of two faces of a cube.
 inline int rows_between_poles(const Level& level) {
   return (level.projection() == Projection::cube ? 2 : 1) * level.height();
 }
 
-/// The same radiance in texels of 1.4 degrees, or of another angle, or less: those of a coarser cube or latlong map cut
-/// into equal parts. A treecode is no quicker than the sum over few large texels, which a lobe is seldom smooth over.
-/// Nothing where they are small already.
+/// The same radiance in texels of at most 1.4 degrees, or of another angle: each texel is cut into equal parts. The
+/// methods gain nothing from few large texels, over which a lobe is seldom smooth.
+/// @return nothing where the texels are small already.
 std::optional<Level> refined(const Level& level, double texel = pi / 128);
+
+/// The least radiance of each channel. It falls from everywhere, so its part of a result is known in closed form: the
+/// methods leave it out of their sums, and white stays white to the last bit.
+Colour min_radiance_of(const Level& source);
 
 }  // namespace envmap::prefiltering

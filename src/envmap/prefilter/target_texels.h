@@ -1,5 +1,5 @@
 /// @file
-/// A map in the making: where its texels look, which are wanted, and what each may be off.
+/// The texels that a method sets: their directions, the rows that are wanted, and the bound of the error of each.
 #pragma once
 
 #include <span>
@@ -13,11 +13,11 @@
 
 namespace envmap::prefiltering {
 
-struct Making {
+struct TargetTexels {
   const Target& target;
   std::span<const char> rows;  ///< Flags of the rows that are wanted, `size` for each face; empty: all.
-  Level& out;                  ///< Of the projection and size of the target.
-  /// Of texels by index_of(), relative to the texel or to 0.001 x the mean of the source if larger. Infinite: unknown.
+  Level& out;                  ///< Has the projection and size of the target.
+  /// The bounds by index_of(): relative to the texel, or to the floor (error_floor.h). Infinite: unknown.
   std::span<float> bounds;
   const Progress& progress;
 
@@ -25,7 +25,7 @@ struct Making {
     return rows.empty() || rows[std::size_t(face * out.height() + row)] != 0;
   }
 
-  /// Calls set(directions in the frame of the source, texels, bounds) for each row that is wanted.
+  /// Calls set(directions in the frame of the source, texels, bounds) for each wanted row, rows in parallel.
   template <class Set>
   void each_row(Set&& set) const {
     for_each_row(out.faces(), out.height(), progress, [&](int face, int row) {

@@ -1,3 +1,4 @@
+// Each thread has counters of its own, which outlive it: counting takes no lock.
 #include "envmap/prefilter/work_counters.h"
 
 #include <deque>

@@ -1,6 +1,6 @@
 /// @file
-/// What sums are made of, counted: the same numbers on every machine and for any number of threads, so that a test can
-/// hold what a map costs without a clock.
+/// Counters of the steps that methods take. They are the same on every machine and for any number of threads, so that a
+/// test can check the cost of a map without a clock.
 #pragma once
 
 #include <array>
@@ -12,21 +12,21 @@
 namespace envmap::prefiltering {
 
 enum class Work {
-  kernels,      ///< Values of a kernel at nodes of grids.
-  taps,         ///< Nodes times a kernel that was at hand.
-  nodes,        ///< Interpolations of a grid.
-  core_points,  ///< Values of a kernel at points of texels.
-  hinge_rows,   ///< Rows of cells above a horizon.
-  hinge_cells,  ///< Cells that a horizon cuts.
-  hinge_parts,  ///< Texels that it cuts, and parts of them.
-  judged,       ///< Nodes of a tree that were asked whether they are good enough.
-  seen,         ///< Nodes times directions.
-  sheen,        ///< Texels along a horizon of sheen, and points of blocks.
-  exact,        ///< Texels times directions that were summed exactly.
+  kernels,            ///< Values of a kernel at nodes of grids.
+  taps,               ///< Nodes times a kernel value that is shared.
+  nodes,              ///< Interpolations of a grid.
+  near_field_points,  ///< Values of a kernel at points of texels.
+  horizon_rows,       ///< Rows of cells above a horizon.
+  horizon_cells,      ///< Cells that a horizon cuts.
+  horizon_parts,      ///< Texels that a horizon cuts, and parts of them.
+  bounded_nodes,      ///< Nodes of a tree whose bounds were computed.
+  node_sums,          ///< Nodes times directions.
+  sheen,              ///< Texels along a horizon of sheen, and points of blocks.
+  exact,              ///< Texels times directions that were summed exactly.
 };
-inline constexpr std::string_view work_names[] = {"kernels",    "taps",        "nodes",       "core_points",
-                                                  "hinge_rows", "hinge_cells", "hinge_parts", "judged",
-                                                  "seen",       "sheen",       "exact"};
+inline constexpr std::string_view work_names[] = {"kernels",      "taps",          "nodes",         "near_field_points",
+                                                  "horizon_rows", "horizon_cells", "horizon_parts", "bounded_nodes",
+                                                  "node_sums",    "sheen",         "exact"};
 inline constexpr std::size_t kinds_of_work = std::size(work_names);
 using WorkDone = std::array<std::uint64_t, kinds_of_work>;
 

@@ -1,3 +1,5 @@
+// Sums over all texels in double, rows in parallel. Compensated sums over the rows make the result independent of the
+// number of threads.
 #include "envmap/prefilter/exact/exact.h"
 
 #include <algorithm>
@@ -16,7 +18,7 @@
 namespace envmap::prefiltering {
 namespace {
 
-constexpr double nothing = 1e-30;  // Of a lobe: no radiance makes it count.
+constexpr double nothing = 1e-30;  // A part of a lobe that no radiance makes count.
 
 // ---- one texel ------------------------------------------------------------------------------------------------------
 
@@ -27,33 +29,33 @@ double over_area(const L& lobe, const Direction& r, int face, const Rect& rect) 
   });
 }
 
-// How much of its value the lobe loses over a piece, at most; infinite where the horizon crosses it. A cosine is a line
-// in the direction of light: as smooth as the map itself.
+// The part of its value that the lobe loses over a piece, at most; infinite where the horizon crosses the piece. A
+// cosine is linear in the direction of light, so that any piece is smooth.
 template <class L>
-double unevenness(const L& lobe, const Direction& r, const Moments& p) {
-  const double d = glm::length(r - p.centre), near = std::max(0.0, d - p.reach), far = d + p.reach;
+double variation(const L& lobe, const Direction& r, const Moments& p) {
+  const double d = glm::length(r - p.centre), near = std::max(0.0, d - p.bounding_radius), far = d + p.bounding_radius;
   const double lo = 0.5 * near * near, hi = 0.5 * far * far;
   if (lo >= 1) return 0;
   if (hi >= 1) return 1e300;
   if constexpr (std::is_same_v<L, Cosine>) return 0;
-  return std::max(lobe.rate(lo), lobe.rate(hi)) * std::min(1.0, far) * p.reach;
+  return std::max(lobe.rate(lo), lobe.rate(hi)) * std::min(1.0, far) * p.bounding_radius;
 }
 
-// How uneven a lobe sixteen points do for. N points each way are off by f^2N (N!)^4 / ((2N+1) (2N)!^3) of exp(f x) over
-// [0,1] (Abramowitz and Stegun 1964, 25.4.30): 4e-8 for a fall of 1.2 over half a diagonal. Powers of eight and more
-// have smaller derivatives than that, other lobes larger ones.
+// The most variation over a piece for which sixteen points are accurate. The error of N points each way is f^2N (N!)^4
+// / ((2N+1) (2N)!^3) of exp(f x) over [0,1] (Abramowitz and Stegun 1964, 25.4.30): 4e-8 for a fall of 1.2 over half a
+// diagonal. Powers of eight and more have smaller derivatives, other lobes larger ones.
 template <class L>
-double most_uneven(const L& lobe) {
+double max_variation(const L& lobe) {
   if constexpr (std::is_same_v<L, Phong>)
     if (lobe.exponent >= 8) return 1.2;
-  // Sheen is a power of x with its root in the middle: from 8 on as Phong's; of 2 to 8 the eighth derivative is below
-  // 0.08 of what that takes, and grows by up to 21 over the texel. Of less, which at 0.5 is 135,000 x that, rho = 2 /
-  // fall is how many times as far the root is as a texel reaches, and Gauss's error rho^-8.
+  // Sheen is a power of x with its root in the middle. From 8 on it is like Phong's. For powers of 2 to 8, the eighth
+  // derivative is below 0.08 of the one that 1.2 allows, and grows by up to 21 times over the texel. For smaller powers
+  // Gauss's error is rho^-8, where rho = 2 / fall is the distance of the root over the radius of the texel.
   if constexpr (std::is_same_v<L, Charlie>) return lobe.power >= 8 ? 1.2 : lobe.power >= 2 ? 0.8 : 0.2;
   return 0.4;
 }
 
-// Where a piece lies: its moments, but for what only nodes need.
+// The moments of a piece about the direction in its middle.
 template <class P>
 Moments place_of(int face, const Rect& rect) {
   const Direction middle = P::direction(face, 0.5 * (rect.u0 + rect.u1), 0.5 * (rect.v0 + rect.v1));
@@ -61,22 +63,22 @@ Moments place_of(int face, const Rect& rect) {
   // The farthest point of a small piece is a corner, or little farther.
   for (const double u : {rect.u0, rect.u1})
     for (const double v : {rect.v0, rect.v1})
-      found.reach = std::max(found.reach, 1.02 * glm::length(P::direction(face, u, v) - middle));
-  return found.reach < 0.2 ? found : moments<P>(face, rect);
+      found.bounding_radius = std::max(found.bounding_radius, 1.02 * glm::length(P::direction(face, u, v) - middle));
+  return found.bounding_radius < 0.2 ? found : moments<P>(face, rect);
 }
 
-// Over a rectangle with its moments.
+// The integral over a rectangle. @param p its moments.
 template <class P, class L>
 double lobe_over(const L& lobe, const Direction& r, int face, const Rect& rect, const Moments& p,
                  std::optional<Border<P>>& border) {
-  const double near = std::max(0.0, glm::length(r - p.centre) - p.reach), nearest = 0.5 * near * near;
+  const double near = std::max(0.0, glm::length(r - p.centre) - p.bounding_radius), nearest = 0.5 * near * near;
   if (p.solid_angle <= 0 || lobe.missing(nearest) < nothing) return 0;
-  const double uneven = unevenness(lobe, r, p), most = most_uneven(lobe);
-  if (p.reach < 0.2 && uneven <= most) return over_area<P>(lobe, r, face, rect);
-  // A few quarters are quicker than the border: timed.
-  if (uneven > 0.8 && p.reach < 0.3) {
+  const double loss = variation(lobe, r, p), most = max_variation(lobe);
+  if (p.bounding_radius < 0.2 && loss <= most) return over_area<P>(lobe, r, face, rect);
+  // Below that a few quarters are quicker than the border (measured).
+  if (loss > 0.8 && p.bounding_radius < 0.3) {
     if (!border) border.emplace(face, rect);
-    return integral_round<P>(*border, lobe, r, face, rect, p.solid_angle, p.reach, nearest).value;
+    return integral_round<P>(*border, lobe, r, face, rect, p.solid_angle, p.bounding_radius, nearest);
   }
   double sum = 0;
   for (const Rect& q : quarters(rect)) {
@@ -86,11 +88,11 @@ double lobe_over(const L& lobe, const Direction& r, int face, const Rect& rect, 
   return sum;
 }
 
-// A texel in one direction.
+// The integral over a texel. @param simple whether four points may be accurate.
 template <class P, class L>
 double texel_over(const L& lobe, const Direction& r, int face, const Rect& rect, const Moments& p, bool simple,
                   std::optional<Border<P>>& border) {
-  if (!simple || unevenness(lobe, r, p) >= 0.05) return lobe_over<P>(lobe, r, face, rect, p, border);
+  if (!simple || variation(lobe, r, p) >= 0.05) return lobe_over<P>(lobe, r, face, rect, p, border);
   std::array<Direction, 4> points;
   std::array<double, 4> weights;
   gauss_points<P>(face, rect, points, weights);
@@ -142,7 +144,7 @@ class RowPoints {
   std::vector<double> weights_;
 };
 
-// The least x from which `is` holds, between two.
+// The least x in [low, high] from which `is` holds, by bisection.
 template <class F>
 double least_where(double low, double high, F&& is) {
   for (int step = 0; step < 60; ++step) {
@@ -155,20 +157,20 @@ double least_where(double low, double high, F&& is) {
 // A texel holds at most 4 pi of the source's mean in steradians:
 // where a lobe is below 1e-15 it adds less than 2e-14 of that.
 template <class L>
-Closeness closeness(const L& lobe) {
+SampleThresholds thresholds_of(const L& lobe) {
   const auto is_faint = [&](double x) { return lobe.value(x) < 1e-15; };
   return {.start = is_faint(0) ? least_where(0, lobe.peak(), [&](double x) { return !is_faint(x); }) : 0,
           .faint = least_where(lobe.peak(), 1, is_faint),
           .end = least_where(0, 1, [&](double x) { return lobe.missing(x) < nothing; }),
-          .most_uneven = most_uneven(lobe)};
+          .max_variation = max_variation(lobe)};
 }
 
-// One row of a face in all directions. @param by_points many at once where points are good enough for them.
+// One row of a face in all directions. @param by_points many directions at once, where points are accurate.
 template <class P, class L>
 std::vector<Flux> row_of(const Level& source, const L& lobe, std::span<const Direction> directions, bool by_points,
                          int face, int row) {
   const double w = source.width(), h = source.height();
-  const Closeness close = closeness(lobe);
+  const SampleThresholds thresholds = thresholds_of(lobe);
   ExactSums sums(directions);
   std::vector<std::uint32_t> every(directions.size()), left;
   std::iota(every.begin(), every.end(), 0U);
@@ -180,17 +182,18 @@ std::vector<Flux> row_of(const Level& source, const L& lobe, std::span<const Dir
     if (radiance == Flux(0)) continue;
     const Rect rect = texel_rect(i, row, w, h);
     const Moments p = moments<P>(face, rect);
-    const bool simple = p.reach < 0.02, together = points && p.reach < 0.2;
+    const bool simple = p.bounding_radius < 0.02, together = points && p.bounding_radius < 0.2;
     if (together) {
-      texel.centre = p.centre, texel.reach = p.reach, texel.simple = simple;
+      texel.centre = p.centre, texel.bounding_radius = p.bounding_radius, texel.simple = simple;
       texel.radiance = {radiance.x, radiance.y, radiance.z};
       points->set(std::size_t(i), 1 / w, 1 / h, texel);
-      add_texel(lobe, close, texel, sums, left);
+      add_texel(lobe, thresholds, texel, sums, left);
     }
     std::optional<Border<P>> border;
     for (const std::uint32_t k : together ? left : every) {
-      const double d = glm::length(directions[k] - p.centre), near = std::max(0.0, d - p.reach), far = d + p.reach;
-      if (0.5 * near * near >= close.end || 0.5 * far * far <= close.start) continue;
+      const double d = glm::length(directions[k] - p.centre), near = std::max(0.0, d - p.bounding_radius),
+                   far = d + p.bounding_radius;
+      if (0.5 * near * near >= thresholds.end || 0.5 * far * far <= thresholds.start) continue;
       const double part = texel_over<P>(lobe, directions[k], face, rect, p, simple, border);
       for (std::size_t c = 0; c < 3; ++c) sums.flux[c][k] += part * radiance[int(c)];
     }
@@ -208,7 +211,7 @@ std::vector<Flux> exact_sums(const Level& source, const Lobe& lobe, std::span<co
   for (std::size_t first = 0; first < directions.size(); first += batch) {
     const auto some = directions.subspan(first, std::min(batch, directions.size() - first));
     const int rows = source.faces() * source.height();
-    std::vector<std::array<Sum, 3>> totals(some.size());
+    std::vector<std::array<CompensatedSum, 3>> totals(some.size());
     constexpr int band = 64;
     for (int start = 0; start < rows; start += band) {
       source.trim();
@@ -236,7 +239,7 @@ std::vector<Flux> exact_sums(const Level& source, const Lobe& lobe, std::span<co
 
 std::vector<Flux> exact_prefilter(const Level& source, const Lobe& lobe, std::span<const Direction> directions,
                                   const Progress& progress) {
-  constexpr std::size_t few = 16;  // Directions for which points are not worth their making.
+  constexpr std::size_t few = 16;  // Fewer directions do not repay the points of all texels.
   return exact_sums(source, lobe, directions, directions.size() >= few, progress);
 }
 
@@ -250,7 +253,7 @@ std::vector<Direction> directions_of(const Target& target, std::span<const Texel
 
 void exact_texels(const Level& source, const Lobe& lobe, const Target& target, std::span<const Texel> texels,
                   Level& out, const Progress& progress) {
-  constexpr bool by_points = true;  // However few: what a texel comes to does not depend on the others.
+  constexpr bool by_points = true;  // However few texels: the result of one must not depend on the others.
   const std::vector<Flux> found = exact_sums(source, lobe, directions_of(target, texels), by_points, progress);
   for (std::size_t k = 0; k < found.size(); ++k)
     *out.texel(texels[k].face, texels[k].i, texels[k].j) = Colour(found[k]);

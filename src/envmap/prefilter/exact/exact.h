@@ -1,5 +1,7 @@
 /// @file
-/// The reference: every texel of the source, in float64.
+/// The reference method: every texel of the source is integrated in double, by Gauss points where the lobe is smooth
+/// over it and round its border elsewhere (lobe_in_rectangle.h). Its error is at most 1e-7 of the largest part of a
+/// result that one texel has, or 1e-13 of the source's mean.
 #pragma once
 
 #include <span>
@@ -13,17 +15,11 @@
 
 namespace envmap::prefiltering {
 
-/// The integral of radiance x lobe over the sphere, radiance constant over each texel, in the directions given (image
-/// frame of the source). To 1e-7 of the largest part of a result that one texel has, or 1e-13 of the source's mean.
-///
-/// A texel over which the lobe is smooth takes Gauss points. Where it is not, because the lobe is narrower than the
-/// texel or its horizon crosses it, the area becomes a line: with S the lobe's share within an angle, the integral of
-/// the lobe over a piece of the sphere is that of S / (2 pi) d(azimuth) round its border (Green's theorem), which no
-/// width of the lobe makes hard, down to the mirror.
+/// Returns the integrals of radiance x lobe over the sphere in some directions, in the image frame of the source.
 std::vector<Flux> exact_prefilter(const Level& source, const Lobe& lobe, std::span<const Direction> directions,
                                   const Progress& progress = {});
 
-/// Where texels of a target look, image frame of the source.
+/// Directions of texels of a target, in the image frame of the source.
 std::vector<Direction> directions_of(const Target& target, std::span<const Texel> texels);
 
 /// Sets some texels of a map. @param out of the projection and size of the target.

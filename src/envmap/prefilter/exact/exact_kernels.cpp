@@ -15,34 +15,33 @@ namespace HWY_NAMESPACE {
 using D = hn::CappedTag<double, ExactSums::lanes>;
 using V = hn::Vec<D>;
 
-// rate() of lobe.h: slope over value, without the division. A cosine is a line: points do whatever it loses.
-HWY_INLINE V rate(const Cosine&, V /*x*/) { return hn::Zero(D()); }
-HWY_INLINE V rate(const Phong& l, V x) {
-  const D d;
-  return hn::Div(hn::Set(d, l.exponent), hn::Sub(hn::Set(d, 1), x));
+template <class T>
+HWY_INLINE V broadcast(T c) {
+  return broadcast(D(), c);
 }
-HWY_INLINE V rate(const Ggx& l, V x) {
-  const D d;
-  const V q = hn::Add(hn::Set(d, l.a), hn::Mul(hn::Set(d, l.b), x));
-  return hn::Add(hn::Div(hn::Set(d, 1), hn::Sub(hn::Set(d, 1), x)), hn::Div(hn::Set(d, 2 * l.b), q));
+
+// The bound of |d ln(value) / dx| of lobe.h, rate(). A cosine is linear: points are accurate whatever it loses.
+HWY_INLINE V log_slope(const Cosine&, V /*x*/) { return hn::Zero(D()); }
+HWY_INLINE V log_slope(const Phong& l, V x) { return broadcast(l.exponent) / (broadcast(1) - x); }
+HWY_INLINE V log_slope(const Ggx& l, V x) {
+  const V q = broadcast(l.a) + broadcast(l.b) * x;
+  return broadcast(1) / (broadcast(1) - x) + broadcast(2 * l.b) / q;
 }
-HWY_INLINE V rate(const BlinnPhong& l, V x) {
-  const D d;
-  return hn::Add(hn::Div(hn::Set(d, 1), hn::Sub(hn::Set(d, 1), x)),
-                 hn::Div(hn::Set(d, l.power), hn::Sub(hn::Set(d, 2), x)));
+HWY_INLINE V log_slope(const BlinnPhong& l, V x) {
+  return broadcast(1) / (broadcast(1) - x) + broadcast(l.power) / (broadcast(2) - x);
 }
-HWY_INLINE V rate(const Charlie& l, V x) {
+HWY_INLINE V log_slope(const Charlie& l, V x) {
   const D d;
-  const V y = hn::Max(x, set(d, 1e-300));
-  return hn::Add(hn::Div(hn::Set(d, l.power), y), hn::Div(hn::Set(d, 1), hn::Sub(hn::Set(d, 1), x)));
+  const V y = hn::Max(x, broadcast(d, 1e-300));
+  return broadcast(l.power) / y + broadcast(1) / (broadcast(1) - x);
 }
 
 HWY_INLINE V square_of(const ExactSums& sums, std::size_t k, const Direction& p) {
   const D d;
-  const V x = hn::Sub(hn::LoadU(d, &sums.direction[0][k]), hn::Set(d, p.x)),
-          y = hn::Sub(hn::LoadU(d, &sums.direction[1][k]), hn::Set(d, p.y)),
-          z = hn::Sub(hn::LoadU(d, &sums.direction[2][k]), hn::Set(d, p.z));
-  return hn::Add(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Mul(z, z));
+  const V x = hn::LoadU(d, &sums.direction[0][k]) - broadcast(p.x),
+          y = hn::LoadU(d, &sums.direction[1][k]) - broadcast(p.y),
+          z = hn::LoadU(d, &sums.direction[2][k]) - broadcast(p.z);
+  return x * x + y * y + z * z;
 }
 
 template <class L, std::size_t N>
@@ -51,35 +50,35 @@ HWY_INLINE V over_points(const L& lobe, const ExactSums& sums, std::size_t k, co
   const D d;
   V sum = hn::Zero(d);
   for (std::size_t n = 0; n < N; ++n) {
-    const V x = hn::Mul(hn::Set(d, 0.5), square_of(sums, k, points[n]));
-    sum = hn::Add(sum, hn::Mul(hn::Set(d, weights[n]), value(lobe, d, x)));
+    const V x = broadcast(0.5) * square_of(sums, k, points[n]);
+    sum += broadcast(weights[n]) * value(lobe, d, x);
   }
   return sum;
 }
 
 template <class L>
-void add_lanes(const L& lobe, const Closeness& close, const ExactTexel& t, ExactSums& sums,
+void add_lanes(const L& lobe, const SampleThresholds& thresholds, const ExactTexel& t, ExactSums& sums,
                std::vector<std::uint32_t>& left) {
   const D d;
-  const V one = hn::Set(d, 1), half = hn::Set(d, 0.5), reach = hn::Set(d, t.reach);
+  const V one = broadcast(1), half = broadcast(0.5), reach = broadcast(t.bounding_radius);
   for (std::size_t k = 0; k < sums.direction[0].size(); k += hn::Lanes(d)) {
     const V distance = hn::Sqrt(square_of(sums, k, t.centre));
-    const V near = hn::Max(hn::Zero(d), hn::Sub(distance, reach)), far = hn::Add(distance, reach);
-    const V low = hn::Mul(half, hn::Mul(near, near)), high = hn::Mul(half, hn::Mul(far, far));
-    const auto seen = hn::And(hn::Lt(low, hn::Set(d, close.end)), hn::Gt(high, hn::Set(d, close.start)));
+    const V near = hn::Max(hn::Zero(d), distance - reach), far = distance + reach;
+    const V low = half * (near * near), high = half * (far * far);
+    const auto seen = hn::And(hn::Lt(low, broadcast(thresholds.end)), hn::Gt(high, broadcast(thresholds.start)));
     if (hn::AllFalse(d, seen)) continue;
-    // How much of its value the lobe loses over the texel, at most.
-    const V fall = hn::Mul(hn::Max(rate(lobe, low), rate(lobe, high)), hn::Mul(hn::Min(one, far), reach));
+    // The part of its value that the lobe loses over the texel, at most.
+    const V fall = hn::Max(log_slope(lobe, low), log_slope(lobe, high)) * (hn::Min(one, far) * reach);
     const auto whole = hn::And(seen, hn::Lt(high, one));
-    const auto faint = hn::And(seen, hn::Ge(low, hn::Set(d, close.faint)));
-    const auto few = hn::Or(faint, hn::And(whole, hn::Lt(fall, hn::Set(d, t.simple ? 0.05 : 0.0))));
-    const auto many = hn::AndNot(few, hn::And(whole, hn::Le(fall, hn::Set(d, close.most_uneven))));
+    const auto faint = hn::And(seen, hn::Ge(low, broadcast(thresholds.faint)));
+    const auto few = hn::Or(faint, hn::And(whole, hn::Lt(fall, broadcast(t.simple ? 0.05 : 0.0))));
+    const auto many = hn::AndNot(few, hn::And(whole, hn::Le(fall, broadcast(thresholds.max_variation))));
     V part = hn::Zero(d);
     if (!hn::AllFalse(d, few)) part = hn::IfThenElseZero(few, over_points(lobe, sums, k, t.few, t.few_weights));
     if (!hn::AllFalse(d, many)) part = hn::IfThenElse(many, over_points(lobe, sums, k, t.many, t.many_weights), part);
     for (std::size_t c = 0; c < 3; ++c) {
       double* to = &sums.flux[c][k];
-      hn::StoreU(hn::Add(hn::LoadU(d, to), hn::Mul(part, hn::Set(d, t.radiance[c]))), d, to);
+      hn::StoreU(hn::LoadU(d, to) + part * broadcast(t.radiance[c]), d, to);
     }
     std::uint8_t bits[8] = {};
     hn::StoreMaskBits(d, hn::AndNot(hn::Or(few, many), seen), bits);
@@ -88,9 +87,9 @@ void add_lanes(const L& lobe, const Closeness& close, const ExactTexel& t, Exact
   }
 }
 
-void AddTexel(const Lobe& lobe, const Closeness& close, const ExactTexel& texel, ExactSums& sums,
+void AddTexel(const Lobe& lobe, const SampleThresholds& thresholds, const ExactTexel& texel, ExactSums& sums,
               std::vector<std::uint32_t>& left) {
-  std::visit([&](const auto& l) HWY_ATTR { add_lanes(l, close, texel, sums, left); }, lobe);
+  std::visit([&](const auto& l) HWY_ATTR { add_lanes(l, thresholds, texel, sums, left); }, lobe);
 }
 
 }  // namespace HWY_NAMESPACE
@@ -110,10 +109,10 @@ ExactSums::ExactSums(std::span<const Direction> directions) : count(directions.s
   }
 }
 
-void add_texel(const Lobe& lobe, const Closeness& close, const ExactTexel& texel, ExactSums& sums,
+void add_texel(const Lobe& lobe, const SampleThresholds& thresholds, const ExactTexel& texel, ExactSums& sums,
                std::vector<std::uint32_t>& left) {
   left.clear();
-  HWY_DYNAMIC_DISPATCH(AddTexel)(lobe, close, texel, sums, left);
+  HWY_DYNAMIC_DISPATCH(AddTexel)(lobe, thresholds, texel, sums, left);
 }
 
 }  // namespace envmap::prefiltering

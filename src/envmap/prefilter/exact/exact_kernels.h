@@ -12,7 +12,7 @@
 
 namespace envmap::prefiltering {
 
-/// Directions side by side, padded to whole vectors, and what each has got so far.
+/// Directions side by side, padded to whole vectors, and the sum of each so far.
 struct ExactSums {
   static constexpr std::size_t lanes = 8;
   std::size_t count = 0;
@@ -21,30 +21,30 @@ struct ExactSums {
   explicit ExactSums(std::span<const Direction> directions);
 };
 
-/// A texel as Gauss points with their solid angles: four for a lobe that hardly changes over it,
-/// sixteen for one that does.
+/// A texel as Gauss points with their solid angles: four for a lobe that hardly changes over it, sixteen for one that
+/// does.
 struct ExactTexel {
   Direction centre;
-  double reach;
+  double bounding_radius;
   std::array<double, 3> radiance;
-  bool simple;  ///< Four may be enough.
+  bool simple;  ///< Four points may be accurate.
   std::array<Direction, 4> few;
   std::array<double, 4> few_weights;
   std::array<Direction, 16> many;
   std::array<double, 16> many_weights;
 };
 
-/// How closely a lobe has to be looked at.
-struct Closeness {
-  double start;        ///< x up to which it is next to nothing: 0 but for sheen.
-  double faint;        ///< x beyond which four points always do: so little is left of the lobe.
-  double end;          ///< x beyond which it is nothing.
-  double most_uneven;  ///< How much of its value it may lose over a texel of sixteen points.
+/// Thresholds of x that decide how many points a texel needs.
+struct SampleThresholds {
+  double start;          ///< The lobe is negligible below this x: 0 but for sheen.
+  double faint;          ///< So little is left of the lobe beyond this x that four points suffice.
+  double end;            ///< The lobe is 0 or negligible beyond this x.
+  double max_variation;  ///< The part of its value that the lobe may lose over a texel of sixteen points.
 };
 
-/// Adds a texel to the sums of all directions for which points are good enough. @param left set to the indices of the
-/// directions for which they are not.
-void add_texel(const Lobe& lobe, const Closeness& close, const ExactTexel& texel, ExactSums& sums,
+/// Adds a texel to the sums of all directions for which its points are accurate. @param left set to the indices of the
+/// other directions.
+void add_texel(const Lobe& lobe, const SampleThresholds& thresholds, const ExactTexel& texel, ExactSums& sums,
                std::vector<std::uint32_t>& left);
 
 }  // namespace envmap::prefiltering

@@ -1,5 +1,6 @@
 /// @file
-/// Lagrange interpolation of nodes in one step of each other, and its adjoint: what light between nodes adds to each.
+/// Lagrange interpolation through equidistant nodes, and its adjoint: the part of light between nodes that each node
+/// takes.
 #pragma once
 
 #include <array>
@@ -17,10 +18,10 @@ namespace envmap::prefiltering {
 inline constexpr int nodes_across = 12;
 
 inline constexpr int half_nodes = nodes_across / 2;
-/// Of the nodes of one interpolation.
+/// Weights of the nodes of one interpolation.
 using Weights = std::array<double, nodes_across>;
 
-/// Of each node i, the product of 1 / (i - k) over all others.
+/// For each node i, the product of 1 / (i - k) over all other nodes k.
 inline constexpr Weights inverse_gaps = [] {
   Weights all{};
   for (int i = 0; i < nodes_across; ++i) {
@@ -32,7 +33,7 @@ inline constexpr Weights inverse_gaps = [] {
   return all;
 }();
 
-/// Of nodes floor(u) - 5 to floor(u) + 6. @return the first node.
+/// Sets the weights of nodes floor(u) - 5 to floor(u) + 6. @return the first node.
 inline int lagrange(double u, Weights& w) {
   const int first = int(std::floor(u)) - half_nodes + 1;
   const double at = u - first;
@@ -42,21 +43,20 @@ inline int lagrange(double u, Weights& w) {
   return first;
 }
 
-/// A row beyond a pole of a latlong grid is a row of the grid, half a turn away. @return that row; others as they are.
+/// @return the row that a row beyond a pole of a latlong grid is, half a turn away; other rows unchanged.
 inline int folded(int row, int rows) { return row < 0 ? -1 - row : row >= rows ? 2 * rows - 1 - row : row; }
 
-/// What a part of the light before adds.
+/// The weight of a part of the light at a node.
 struct Term {
-  int from;
-  bool turned;  // By half a turn: beyond a pole.
+  int from;     // Number of the part.
+  bool turned;  // The part lies beyond a pole, half a turn away.
   float weight;
 };
-/// By node.
+/// Terms by node.
 using Terms = std::vector<std::vector<Term>>;
 
-/// What `parts` equal parts of a line of `nodes` nodes add to each: integrals of density(position in 0 to 1) x the
-/// basis.
-/// @param wraps from the last to the first; else it goes on mirrored, half a turn away.
+/// Returns the weights of `parts` equal parts of a line at its `nodes` nodes: integrals of density(position in 0 to 1)
+/// x the basis. @param wraps from the last node to the first; else the line goes on mirrored, half a turn away.
 template <class Density>
 Terms adjoint(int parts, int nodes, bool wraps, Density&& density) {
   std::vector<std::map<std::pair<int, bool>, double>> sums(std::size_t(nodes),

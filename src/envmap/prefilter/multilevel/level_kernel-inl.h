@@ -1,4 +1,4 @@
-// Kernels of multilevel sums for lanes: what a LevelKernel is, over x = 1 - cos. Included once a target.
+// The formulae of LevelKernel for lanes, over x = 1 - cos. Included once a target.
 #include <numbers>
 
 #include "envmap/prefilter/lobe_lanes-inl.h"
@@ -20,6 +20,11 @@ using V = hn::Vec<D>;
 constexpr std::size_t lanes = hn::MaxLanes(D()), parts = virtual_lanes / lanes;
 constexpr float narrow_end = 5e-3F;
 
+template <class T>
+HWY_INLINE V broadcast(T c) {
+  return broadcast(D(), c);
+}
+
 // The sum of the virtual lanes, in one order on every processor.
 HWY_INLINE double sum_of(const V (&total)[parts]) {
   float s[virtual_lanes];
@@ -28,7 +33,7 @@ HWY_INLINE double sum_of(const V (&total)[parts]) {
   return (pair(0) + pair(2)) + (pair(1) + pair(3));
 }
 
-// Three channels of virtual lanes.
+// Sums of three channels in virtual lanes.
 struct Sums {
   V of[3][parts];
 
@@ -36,14 +41,13 @@ struct Sums {
     for (auto& channel : of)
       for (V& v : channel) v = hn::Zero(D());
   }
-  // @param values the red ones; green and blue follow `stride` floats apart.
+  // @param values of red; those of green and blue follow `stride` floats apart.
   HWY_INLINE void add(std::size_t part, V weight, const float* values, std::size_t stride) {
-    for (std::size_t c = 0; c < 3; ++c)
-      of[c][part] = hn::Add(of[c][part], hn::Mul(weight, hn::LoadU(D(), values + c * stride)));
+    for (std::size_t c = 0; c < 3; ++c) of[c][part] += weight * hn::LoadU(D(), values + c * stride);
   }
   HWY_INLINE void add(const Sums& more) {
     for (std::size_t c = 0; c < 3; ++c)
-      for (std::size_t part = 0; part < parts; ++part) of[c][part] = hn::Add(of[c][part], more.of[c][part]);
+      for (std::size_t part = 0; part < parts; ++part) of[c][part] += more.of[c][part];
   }
   [[nodiscard]] HWY_INLINE Flux whole() const { return {sum_of(of[0]), sum_of(of[1]), sum_of(of[2])}; }
 };
@@ -52,78 +56,75 @@ struct Sums {
 HWY_INLINE void versines(double at, int columns, int low, int high, float* out) {
   const D d;
   const int whole = int(std::floor(at));
-  const V step = hn::Set(d, float(pi / columns)), offset = hn::Set(d, float(at - whole));
+  const V step = broadcast(pi / columns), offset = broadcast(at - whole);
   for (int k = low; k < high; k += int(lanes)) {
-    const V t = hn::Mul(step, hn::Sub(hn::Iota(d, float(k - whole)), offset)), tt = hn::Mul(t, t);
-    const V s = hn::Mul(t, series(d, tt, 1, -1.0 / 6, 1.0 / 120, -1.0 / 5040, 1.0 / 362880, -1.0 / 39916800));
-    hn::StoreU(hn::Add(hn::Mul(s, s), hn::Mul(s, s)), d, out + (k - low));
+    const V t = step * (hn::Iota(d, float(k - whole)) - offset), tt = t * t;
+    const V s = t * polynomial(d, tt, 1, -1.0 / 6, 1.0 / 120, -1.0 / 5040, 1.0 / 362880, -1.0 / 39916800);
+    hn::StoreU(s * s + s * s, d, out + (k - low));
   }
 }
 
 template <bool quartic>
-HWY_INLINE V softened(const LevelKernel::Softened& s, V x) {
+HWY_INLINE V flattened(const LevelKernel::Flattening& s, V x) {
   const D d;
-  const V y = hn::Max(hn::Zero(d), hn::Sub(hn::Set(d, s.root), hn::Mul(hn::Set(d, s.root * s.inverse), x))),
-          yy = hn::Mul(y, y);
-  return hn::Mul(yy, quartic ? yy : y);
+  const V y = hn::Max(hn::Zero(d), broadcast(s.root) - broadcast(s.root * s.inverse) * x), yy = y * y;
+  return yy * (quartic ? yy : y);
 }
 
-HWY_INLINE V hinges(const LevelKernel& k, V t) {
-  const D d;
-  const auto g = [&](std::size_t n) HWY_ATTR { return hn::Set(d, k.hinges[n]); };
-  return hn::Mul(t, hn::Add(g(0), hn::Mul(t, hn::Add(g(1), hn::Mul(t, g(2))))));
+HWY_INLINE V horizon_terms(const LevelKernel& k, V t) {
+  const auto g = [&](std::size_t n) HWY_ATTR { return broadcast(k.horizon_terms[n]); };
+  return t * (g(0) + t * (g(1) + t * g(2)));
 }
 
-// With W = a + 1, t = 1 - x and q = a + x = W - t: t / q^2 less its first three Taylor terms,
-// t / W^2 + 2 t^2 / W^3 + 3 t^3 / W^4, is t^4 (4 W - 3 t) / (q^2 W^4), which has no difference of large numbers.
+// GGX, t / q^2 with t = 1 - x, q = a + x = W - t and W = a + 1. Less its first three terms at the horizon, t / W^2 + 2
+// t^2 / W^3 + 3 t^3 / W^4, it is t^4 (4 W - 3 t) / (q^2 W^4), which has no difference of large numbers. Flattening adds
+// s to q and takes it from t.
 template <bool inner, bool outer, bool quartic>
-struct OfGgx {
+struct GgxKernel {
   const LevelKernel& k;
   HWY_INLINE V operator()(V x) const {
     const D d;
     const float a1 = k.a + 1;
-    const V whole = hn::Set(d, a1), q = hn::Add(hn::Set(d, k.a), x);
+    const V whole = broadcast(a1), q = broadcast(k.a) + x;
     if (!outer) {
-      const V zero = hn::Zero(d), t = hn::Max(zero, hn::Sub(hn::Set(d, 1), x));
-      const V s = inner ? softened<quartic>(k.inner, x) : zero, t1 = hn::Max(zero, hn::Sub(t, s)),
-              q1 = inner ? hn::Add(q, s) : q;
-      const V square = hn::Mul(t1, t1), rise = hn::Sub(hn::Set(d, 4 * a1), hn::Mul(hn::Set(d, 3), t1));
-      const V rest =
-          hn::Div(hn::Mul(hn::Mul(square, square), rise), hn::Mul(hn::Mul(q1, q1), hn::Set(d, a1 * a1 * a1 * a1)));
+      const V zero = hn::Zero(d), t = hn::Max(zero, broadcast(1) - x);
+      const V s = inner ? flattened<quartic>(k.inner, x) : zero, t1 = hn::Max(zero, t - s), q1 = inner ? q + s : q;
+      const V square = t1 * t1, rise = broadcast(4 * a1) - broadcast(3) * t1;
+      const V rest = square * square * rise / (q1 * q1 * broadcast(a1 * a1 * a1 * a1));
       if (!inner) return rest;
-      const V second = hn::Mul(hn::Set(d, k.hinges[1]), hn::Add(t1, t));
-      const V third = hn::Mul(hn::Set(d, k.hinges[2]), hn::Add(square, hn::Mul(t, hn::Add(t1, t))));
-      return hn::Sub(rest, hn::Mul(s, hn::Add(hn::Set(d, k.hinges[0]), hn::Add(second, third))));
+      const V second = broadcast(k.horizon_terms[1]) * (t1 + t);
+      const V third = broadcast(k.horizon_terms[2]) * (square + t * (t1 + t));
+      return rest - s * (broadcast(k.horizon_terms[0]) + (second + third));
     }
-    const V q1 = inner ? hn::Add(q, softened<quartic>(k.inner, x)) : q;
-    const V q2 = hn::Add(q, softened<quartic>(k.outer, x)), product = hn::Mul(q1, q2);
-    const V rise = hn::Sub(hn::Mul(whole, hn::Add(q1, q2)), product);
-    return hn::Div(hn::Mul(hn::Sub(q2, q1), rise), hn::Mul(product, product));
+    const V q1 = inner ? q + flattened<quartic>(k.inner, x) : q;
+    const V q2 = q + flattened<quartic>(k.outer, x), product = q1 * q2;
+    const V rise = whole * (q1 + q2) - product;
+    return (q2 - q1) * rise / (product * product);
   }
 };
 
-// log2(1 - x) of x up to narrow_end: what the series leaves out changes no lobe by 1e-6 before it is cut off.
+// log2(1 - x) of x up to narrow_end, to three terms: the rest changes no lobe by 1e-6 before its end.
 HWY_INLINE V log2_near_one(V x) {
   constexpr double unit = -std::numbers::log2e;
-  return hn::Mul(x, series(D(), x, unit, unit / 2, unit / 3));
+  return x * polynomial(D(), x, unit, unit / 2, unit / 3);
 }
 
 // (1 - y)^power
 HWY_INLINE V power_of(const LevelKernel& k, V y) {
   const D d;
-  const V log = k.part * k.end <= narrow_end ? log2_near_one(hn::Min(y, hn::Set(d, 1))) : log2_one_minus(d, y);
-  return exp2_small(d, hn::Mul(hn::Set(d, k.power), log));
+  const V log = k.part * k.end <= narrow_end ? log2_near_one(hn::Min(y, broadcast(1))) : log2_one_minus(d, y);
+  return exp2_small(d, broadcast(k.power) * log);
 }
 
 template <bool cosine>
-struct OfPower {
+struct PowerKernel {
   const LevelKernel& k;
   HWY_INLINE V operator()(V x) const {
     const D d;
-    const V t = hn::Max(hn::Zero(d), hn::Sub(hn::Set(d, 1), x));
-    V value = power_of(k, hn::Mul(hn::Set(d, k.part), x));
-    if (cosine) value = hn::Sub(hn::Mul(value, t), hinges(k, t));
-    return hn::IfThenElseZero(hn::Lt(x, hn::Set(d, k.end)), value);
+    const V t = hn::Max(hn::Zero(d), broadcast(1) - x);
+    V value = power_of(k, broadcast(k.part) * x);
+    if (cosine) value = value * t - horizon_terms(k, t);
+    return hn::IfThenElseZero(hn::Lt(x, broadcast(k.end)), value);
   }
 };
 

@@ -1,3 +1,5 @@
+// The light of a source on its finest grid, for cubes and for latlong maps, and the coarser grids by the adjoint of
+// interpolation.
 #include "envmap/prefilter/multilevel/multilevel_source.h"
 
 #include <algorithm>
@@ -17,11 +19,11 @@
 
 namespace envmap::prefiltering {
 
-// Light on grids in the making, and the finest ones of a source.
+// The finest grid of a source before its rows are thinned.
 
 namespace {
 
-/// Every row with all columns; three channels, one after another.
+/// A grid whose rows all have the same number of columns. The three channels of a row follow each other.
 struct LightPlanes {
   int rows, columns;
   std::vector<float, LargePages<float>> light;
@@ -36,7 +38,7 @@ struct LightPlanes {
   }
 };
 
-/// out += weight x in, `in` turned by half of its columns if wanted.
+/// out += weight x in. Beyond a pole `in` is turned by half of its columns.
 inline void add_row(std::span<const float> in, const Term& term, std::span<float> out) {
   if (!term.turned) return add_scaled(in, term.weight, out);
   const std::size_t half = in.size() / 2;
@@ -44,18 +46,18 @@ inline void add_row(std::span<const float> in, const Term& term, std::span<float
   add_scaled(in.first(half), term.weight, out.last(half));
 }
 
-LightPlanes cube_planes(const Level& source, double unit, const Colour& darkest, int rows);
+LightPlanes cube_planes(const Level& source, double unit, const Colour& min_radiance, int rows);
 
 }  // namespace
 
-// The light of a cube on its finest grid. Each face is laid on a grid of equal angles first, column by column and row
-// by row. The nodes are points then.
+// The light of a cube on its finest grid. Each face is first laid on a grid of equal angles, column by column and row
+// by row. The nodes of that grid are then points of the latlong grid.
 
 namespace {
 
 struct LightPoint {
   float light[3];
-  double u, v;  // Of the latlong image.
+  double u, v;  // Place in the latlong image.
 };
 
 // Gauss points a side of a texel, enough for a kernel that is a few steps of the grid wide.
@@ -63,16 +65,16 @@ int points_a_side(int size, int rows) {
   return rows < 0.69 * size ? 2 : 3 * std::max(1, (rows + 2 * size - 1) / (2 * size));
 }
 
-// Along one side of a face: Gauss points of its texels, and what each adds to the nodes of the grid.
+// Gauss points of the texels along one side of a face, with their weights at the nodes of the grid.
 struct FaceSide {
   struct Point {
-    double at, weight;  // From -1 to 1, and its part of the side.
-    int first;          // Node.
+    double at, weight;  // Place from -1 to 1; part of the side that the point stands for.
+    int first;          // The first of its nodes.
     std::array<float, nodes_across> basis;
   };
   int texels, nodes;
-  std::vector<Point> points;     // As many a texel.
-  std::vector<double> tangents;  // Of nodes.
+  std::vector<Point> points;     // Each texel has the same number.
+  std::vector<double> tangents;  // Tangents of the nodes' angles.
 
   FaceSide(int size, int rows) : texels(size), nodes(rows / 2 + nodes_across) {
     const double step = pi / rows, edge = -0.25 * pi - half_nodes * step;
@@ -110,22 +112,22 @@ struct FaceSide {
   }
 };
 
-// The light of a row of points of a face.
+// The light of a row of Gauss points of a face.
 std::array<std::vector<float>, 3> light_of_row(const FaceSide& side, std::span<const Colour> texels, double down,
-                                               double unit, const Colour& darkest) {
+                                               double unit, const Colour& min_radiance) {
   const std::size_t count = side.points.size(), many = std::size_t(side.points_a_texel());
   std::array<std::vector<float>, 3> light;
   for (std::vector<float>& channel : light) channel.resize(count);
   for (std::size_t k = 0; k < count; ++k) {
     const FaceSide::Point& p = side.points[k];
     const double square = 1 + p.at * p.at + down * down, weight = unit * p.weight / (square * std::sqrt(square));
-    const Colour texel = texels[k / many] - darkest;
+    const Colour texel = texels[k / many] - min_radiance;
     for (std::size_t c = 0; c < 3; ++c) light[c][k] = float(double(texel[int(c)]) * weight);
   }
   return light;
 }
 
-// A row of points on the columns of its grid. Points next to each other mostly share their nodes.
+// Lays a row of points on the columns of its grid. Neighbouring points mostly share their nodes.
 void add_columns(const FaceSide& side, std::span<const float> light, std::span<float> out) {
   std::array<float, nodes_across> sum{};
   int first = side.points.front().first;
@@ -140,13 +142,13 @@ void add_columns(const FaceSide& side, std::span<const float> light, std::span<f
   put();
 }
 
-// All nodes of a face.
-LightPlanes face_nodes(const Level& source, int face, const FaceSide& side, double unit, const Colour& darkest) {
+// The grid of a face.
+LightPlanes face_nodes(const Level& source, int face, const FaceSide& side, double unit, const Colour& min_radiance) {
   const int many = side.points_a_texel();
   LightPlanes narrow(int(side.points.size()), side.nodes), out(side.nodes, side.nodes);
   parallel_for(narrow.rows, [&](int r) {
     const FaceSide::Point& down = side.points[std::size_t(r)];
-    const auto light = light_of_row(side, source.row(face, r / many), down.at, unit * down.weight, darkest);
+    const auto light = light_of_row(side, source.row(face, r / many), down.at, unit * down.weight, min_radiance);
     for (std::size_t c = 0; c < 3; ++c) add_columns(side, light[c], narrow.row(r, int(c)));
     source.trim();
   });
@@ -160,7 +162,7 @@ LightPlanes face_nodes(const Level& source, int face, const FaceSide& side, doub
   return out;
 }
 
-// A row of nodes as points.
+// A row of nodes as points of the latlong image.
 std::vector<LightPoint> points_of(const LightPlanes& nodes, int face, const FaceSide& side, int row) {
   std::vector<Direction> seen(std::size_t(nodes.columns));
   std::vector<Location<double>> places(seen.size());
@@ -200,12 +202,12 @@ void add_point(const LightPoint& p, int low, int high, LightPlanes& out) {
 }
 
 // Bands of rows take the points in one order, whatever the number of threads.
-LightPlanes cube_planes(const Level& source, double mean, const Colour& darkest, int rows) {
+LightPlanes cube_planes(const Level& source, double mean, const Colour& min_radiance, int rows) {
   LightPlanes out(rows, 2 * rows);
   const FaceSide side(source.height(), rows);
   const int band = std::max(16, rows / 32);
   for (int face = 0; face < source.faces(); ++face) {
-    const LightPlanes nodes = face_nodes(source, face, side, 1 / mean, darkest);
+    const LightPlanes nodes = face_nodes(source, face, side, 1 / mean, min_radiance);
     std::vector<std::vector<LightPoint>> found(std::size_t(side.nodes));
     parallel_for(side.nodes, [&](int row) { found[std::size_t(row)] = points_of(nodes, face, side, row); });
     parallel_for((rows + band - 1) / band, [&](int b) {
@@ -225,16 +227,15 @@ LightPlanes cube_planes(const Level& source, double mean, const Colour& darkest,
 
 namespace {
 
-// One row of texels as its share in the columns of a grid. Columns a period apart have the same weights, some
-// texels on.
+// Lays a row of texels on the columns of a grid. Columns a period apart have the same weights, a number of texels on.
 class Across {
  public:
   Across(int width, int columns) : period_(columns / std::gcd(width, columns)), step_(width / (columns / period_)) {
     const Terms terms = adjoint(width, columns, true, [](double) { return 2 * pi; });
     int first = width, last = -width;
     const auto place = [&](int k, const Term& t) {  // Beside the column, not a turn away.
-      const int middle = int((k + 0.5) * width / columns), off = (t.from - middle + width + width / 2) % width;
-      return middle + off - width / 2;
+      const int middle = int((k + 0.5) * width / columns), offset = (t.from - middle + width + width / 2) % width;
+      return middle + offset - width / 2;
     };
     for (int k = 0; k < period_; ++k)
       for (const Term& t : terms[std::size_t(k)])
@@ -278,9 +279,9 @@ class Across {
   std::vector<Phase> phases_;
 };
 
-/// The finest grid of a map, twice as wide as high. @param unit that radiance is counted in. @param darkest taken off.
-// Bands of rows read the rows of the source that they need, each once, in one order whatever the number of threads.
-LightPlanes latlong_planes(const Level& source, double unit, const Colour& darkest, int rows) {
+// The finest grid of a map twice as wide as high. Bands of rows read the rows of the source that they need, each once,
+// in one order whatever the number of threads. @param unit of radiance.
+LightPlanes latlong_planes(const Level& source, double unit, const Colour& min_radiance, int rows) {
   LightPlanes out(rows, 2 * rows);
   const Terms down = adjoint(source.height(), rows, false, [](double v) { return pi * portable::sin_pi(v); });
   const Across across(source.width(), 2 * rows);
@@ -288,7 +289,7 @@ LightPlanes latlong_planes(const Level& source, double unit, const Colour& darke
   const int band = std::max(16, rows / 16);
   parallel_for((rows + band - 1) / band, [&](int b) {
     const int low = b * band, high = std::min(rows, low + band);
-    std::vector<std::pair<Term, int>> terms;  // And the row they add to.
+    std::vector<std::pair<Term, int>> terms;  // With the row that each adds to.
     for (int r = low; r < high; ++r)
       for (const Term& t : down[std::size_t(r)]) terms.emplace_back(t, r);
     std::ranges::stable_sort(terms, {}, [](const auto& t) { return t.first.from; });
@@ -300,7 +301,8 @@ LightPlanes latlong_planes(const Level& source, double unit, const Colour& darke
         read = term.from;
         const auto row = source.row(0, read);
         for (int c = 0; c < 3; ++c) {
-          for (std::size_t i = 0; i < texels.size(); ++i) texels[i] = float(double(row[i][c] - darkest[c]) * scale);
+          for (std::size_t i = 0; i < texels.size(); ++i)
+            texels[i] = float(double(row[i][c] - min_radiance[c]) * scale);
           narrow[std::size_t(c)].resize(std::size_t(out.columns));
           across.apply(texels, narrow[std::size_t(c)]);
         }
@@ -318,7 +320,7 @@ LightPlanes latlong_planes(const Level& source, double unit, const Colour& darke
 
 namespace {
 
-// A periodic row with room on both sides, so that shifted copies are spans of it.
+// A periodic row, padded on both sides, so that shifted rows are spans of it.
 class Wrapped {
  public:
   static constexpr int room = 2 * nodes_across;
@@ -339,9 +341,9 @@ class Wrapped {
   std::vector<float> padded_;
 };
 
-// Of the adjoint of interpolation at -1/4 and +1/4 of a cell: fine 2 k - 1/4, 2 k + 1 + 1/4.
+// The adjoint of interpolation from a grid to one twice as fine, whose nodes lie at -1/4 and +1/4 of a step.
 struct Halving {
-  Weights low, high;  // Of a fine cell left and right of its coarse one, from nodes -6 and -5 on.
+  Weights low, high;  // For the fine node left and right of a coarse node, from nodes -6 and -5 on.
   Halving() { lagrange(-0.25, low), lagrange(0.25, high); }
 };
 const Halving& halving() {
@@ -349,13 +351,13 @@ const Halving& halving() {
   return h;
 }
 
-// Half as many columns.
+// Halves the columns of a row.
 void halve(std::span<const float> in, std::span<float> out) {
   thread_local Wrapped even, odd;
   even.set(in, 2, 0), odd.set(in, 2, 1);
   std::ranges::fill(out, 0.F);
   for (int i = 0; i < nodes_across; ++i) {
-    // Coarse k has the fine 2 (k - node) and 2 (k - node) + 1.
+    // Coarse node k takes from the fine nodes 2 (k - node) and 2 (k - node) + 1.
     add_scaled(even.from(half_nodes - i, out.size()), float(halving().low[std::size_t(i)]), out);
     add_scaled(odd.from(half_nodes - 1 - i, out.size()), float(halving().high[std::size_t(i)]), out);
   }
@@ -378,7 +380,7 @@ LightPlanes coarser(const LightPlanes& fine) {
   return out;
 }
 
-// Rows near poles in fewer columns.
+// Takes rows near poles to fewer columns.
 NodeGrid thinned(const LightPlanes& full) {
   NodeGrid grid(full.rows);
   parallel_for(full.rows, [&](int r) {
@@ -400,10 +402,10 @@ NodeGrid thinned(const LightPlanes& full) {
 
 }  // namespace
 
-SourceGrids::SourceGrids(const Level& source, double unit, const Colour& darkest, int finest) {
+SourceGrids::SourceGrids(const Level& source, double unit, const Colour& min_radiance, int finest) {
   const bool latlong = source.projection() == Projection::latlong;
   LightPlanes planes =
-      latlong ? latlong_planes(source, unit, darkest, finest) : cube_planes(source, unit, darkest, finest);
+      latlong ? latlong_planes(source, unit, min_radiance, finest) : cube_planes(source, unit, min_radiance, finest);
   grids_.push_back(thinned(planes));
   while (planes.rows > least_rows) {
     planes = coarser(planes);

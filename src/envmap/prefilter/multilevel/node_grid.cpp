@@ -1,3 +1,4 @@
+// Nodes of a grid and directions in its coordinates.
 #include "envmap/prefilter/multilevel/node_grid.h"
 
 #include <algorithm>

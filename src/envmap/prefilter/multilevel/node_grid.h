@@ -1,5 +1,5 @@
 /// @file
-/// Latlong grids whose rows near poles have fewer columns.
+/// Latlong grids whose rows near the poles have fewer columns, so that nodes are nowhere much closer than rows.
 #pragma once
 
 #include <cstddef>
@@ -10,21 +10,22 @@
 
 namespace envmap::prefiltering {
 
-/// A direction as a grid sees it: longitude in [0, 2 pi); polar angle, its sine, and those of half of it.
+/// A direction in the coordinates of a grid: longitude in [0, 2 pi); the polar angle, its sine, and the sine and cosine
+/// of its half.
 struct GridView {
   double longitude, sine, half_sine, half_cosine, angle;
   explicit GridView(const Direction& in_grid);
   GridView(double at_longitude, double at_angle);
 };
 
-/// Three channels at the nodes of a latlong grid. Columns of a row are those of the equator over a power of two, a
-/// multiple of 8 from 40, and no farther apart than rows.
+/// Three channels at the nodes of a latlong grid. A row has the columns of the equator over a power of two: a multiple
+/// of 8, at least 40, no farther apart than rows.
 struct NodeGrid {
   int rows = 0;
   std::vector<int> columns;
-  std::vector<std::size_t> first;              ///< Of the row's red; green and blue follow `stride` floats apart.
-  std::vector<double> half_sine, half_cosine;  ///< Of half the polar angle.
-  std::vector<float> sine;                     ///< Of the polar angle.
+  std::vector<std::size_t> first;              ///< Index of a row's red; green and blue follow `stride` floats apart.
+  std::vector<double> half_sine, half_cosine;  ///< Sine and cosine of half the polar angle.
+  std::vector<float> sine;                     ///< Sine of the polar angle.
   std::vector<float, LargePages<float>> values;
 
   explicit NodeGrid(int of_rows);  ///< All values are 0.
@@ -38,7 +39,7 @@ struct NodeGrid {
   [[nodiscard]] GridView node(int row, int column) const;
 };
 
-/// About how many nodes a grid has.
+/// The number of nodes of a grid, about.
 inline double nodes_of(int rows) { return 1.56 * rows * rows; }
 
 }  // namespace envmap::prefiltering

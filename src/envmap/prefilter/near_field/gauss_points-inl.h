@@ -1,46 +1,48 @@
-// Where points of a source lie as an output's direction sees them, for lanes: 1 - cos of the angle, and solid angles.
-// Included once a target.
+// Points of a source as an output's direction sees them, for lanes: x = 1 - cos of the angle between them, and solid
+// angles. Included once a target. Coordinates are differences from the direction, and each formula is a sum of products
+// of such differences, so that x of a thousandth of a texel has all digits of a float.
 #include "envmap/prefilter/multilevel/level_kernel-inl.h"
 #include "envmap/prefilter/near_field/gauss_points.h"
 
-#if defined(ENVMAP_PREFILTER_CORE_PLACES_INL_H_) == defined(HWY_TARGET_TOGGLE)
-#ifdef ENVMAP_PREFILTER_CORE_PLACES_INL_H_
-#undef ENVMAP_PREFILTER_CORE_PLACES_INL_H_
+#if defined(ENVMAP_PREFILTER_GAUSS_POINTS_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef ENVMAP_PREFILTER_GAUSS_POINTS_INL_H_
+#undef ENVMAP_PREFILTER_GAUSS_POINTS_INL_H_
 #else
-#define ENVMAP_PREFILTER_CORE_PLACES_INL_H_
+#define ENVMAP_PREFILTER_GAUSS_POINTS_INL_H_
 #endif
 
 HWY_BEFORE_NAMESPACE();
 namespace envmap::prefiltering {
 namespace HWY_NAMESPACE {
 
-constexpr std::size_t vectors = 2 * parts;  // Of sixteen points.
+constexpr std::size_t vectors = 2 * parts;  // Vectors of sixteen points.
 
-// The points of a piece: x = 1 - cos of each, and its weight in steradians but for the piece's sides.
-struct Seen {
+// The sixteen points of a piece: x, and the weight in steradians over the product of the piece's sides.
+struct PiecePoints {
   V x[vectors], weight[vectors];
-  double size;  // The longer side, as an angle at most.
+  double size;  // The longer side, an upper bound of its angle.
 };
 
+// Coordinates of the points in vector k. @param node from -1 to 1.
 HWY_INLINE V place(const float* node, std::size_t k, double from, double to) {
   const D d;
-  return hn::Add(hn::Set(d, float(0.5 * (from + to))),
-                 hn::Mul(hn::Set(d, float(0.5 * (to - from))), hn::Load(d, node + k * lanes)));
+  return broadcast(0.5 * (from + to)) + broadcast(0.5 * (to - from)) * hn::Load(d, node + k * lanes);
 }
 
 HWY_INLINE float largest(V v) { return hn::GetLane(hn::MaxOfLanes(D(), v)); }
 
-// Longitude across, polar angle down. Points across are known by 1 - cos(longitude).
+// A latlong map: longitude across, polar angle down. With y the difference of polar angles and s, S the sines of both,
+// x = (1 - cos y) + s S (1 - cos(longitude)): points across are known by 1 - cos(longitude).
 struct OnLatlong {
-  double exact_sine, exact_cosine;  // Of the output's polar angle.
+  double exact_sine, exact_cosine;  // Sine and cosine of the output's polar angle.
   float sine, cosine;
-  float sine_top = 0, cosine_top = 0;  // Of a row's upper side.
-  double least_sine = 0;               // Of the row.
+  float sine_top = 0, cosine_top = 0;  // Sine and cosine at the upper side of a row.
+  double least_sine = 0;               // Least sine over a row.
 
-  // Where rows meet.
+  // The border of two rows.
   struct Side {
-    SmallAngle off;  // From the output.
-    double sine;
+    SmallAngle angle;  // Difference of its polar angle from the output's.
+    double sine;       // Sine of its polar angle.
   };
 
   explicit OnLatlong(const GridView& view)
@@ -50,63 +52,60 @@ struct OnLatlong {
         cosine(float(exact_cosine)) {}
 
   HWY_INLINE Side side(double y) const {
-    const SmallAngle off(y);
-    return {off, std::max(0.0, exact_sine - exact_sine * off.versine + exact_cosine * off.sine)};
+    const SmallAngle angle(y);
+    return {angle, std::max(0.0, exact_sine - exact_sine * angle.versine + exact_cosine * angle.sine)};
   }
   HWY_INLINE OnLatlong of_row(const Side& top, double least) const {
     OnLatlong row = *this;
     row.sine_top = float(top.sine), row.least_sine = least;
-    row.cosine_top = float(exact_cosine - exact_cosine * top.off.versine - exact_sine * top.off.sine);
+    row.cosine_top = float(exact_cosine - exact_cosine * top.angle.versine - exact_sine * top.angle.sine);
     return row;
   }
 
-  // Two points do not follow the sine of the polar angle near a pole.
+  // Near a pole two points do not follow the sine of the polar angle.
   HWY_INLINE std::size_t first_rule(const Piece& p) const { return least_sine < 8 * (p.y1 - p.y0) ? 1 : 0; }
 
+  // Points down a row: x = c + g (1 - cos(longitude)).
   struct Row {
-    double size;                                                         // As Seen's.
-    alignas(32) float c[Rule::most], g[Rule::most], weight[Rule::most];  // x = c + g (1 - cos(longitude)).
+    double size;  // See PiecePoints.
+    alignas(32) float c[PanelRule::most], g[PanelRule::most], weight[PanelRule::most];
   };
-  HWY_INLINE void set(const Piece& p, const Rule& rule, Row& row) const {
+  HWY_INLINE void set(const Piece& p, const PanelRule& rule, Row& row) const {
     const D d;
     const double high = p.y1 - p.y0;
-    // Sines by the upper side, or those near a pole would be differences of large numbers.
-    const V sine_here = hn::Set(d, sine), zero = hn::Zero(d), at_top = hn::Set(d, sine_top),
-            falls = hn::Set(d, cosine_top), top = hn::Set(d, float(p.y0)), side = hn::Set(d, float(high));
+    // Sines are expanded about the upper side: near a pole, differences from the output would lose their digits.
+    const V sine_here = broadcast(sine), zero = hn::Zero(d), at_top = broadcast(sine_top),
+            falls = broadcast(cosine_top), top = broadcast(p.y0), side = broadcast(high);
     V widest = zero;
     for (std::size_t k = 0; k < rule.count; k += lanes) {
-      const V t = hn::Mul(side, hn::Load(d, rule.at_lanes + k)), tt = hn::Mul(t, t), y = hn::Add(top, t),
-              yy = hn::Mul(y, y);
-      const V at = hn::Max(zero, hn::Add(hn::Mul(at_top, series(d, tt, 1, -1.0 / 2, 1.0 / 24)),
-                                         hn::Mul(falls, hn::Mul(t, series(d, tt, 1, -1.0 / 6, 1.0 / 120)))));
-      hn::Store(hn::Mul(hn::Mul(hn::Set(d, 0.5F), yy), series(d, yy, 1, -1.0 / 12, 1.0 / 360, -1.0 / 20160)), d,
-                row.c + k);
-      hn::Store(hn::Mul(at, sine_here), d, row.g + k);
-      hn::Store(hn::Mul(at, hn::Load(d, rule.weight_lanes + k)), d, row.weight + k);
+      const V t = side * hn::Load(d, rule.at_lanes + k), tt = t * t, y = top + t, yy = y * y;
+      const V at = hn::Max(zero, at_top * polynomial(d, tt, 1, -1.0 / 2, 1.0 / 24) +
+                                     falls * (t * polynomial(d, tt, 1, -1.0 / 6, 1.0 / 120)));
+      hn::Store(broadcast(0.5) * yy * polynomial(d, yy, 1, -1.0 / 12, 1.0 / 360, -1.0 / 20160), d, row.c + k);
+      hn::Store(at * sine_here, d, row.g + k);
+      hn::Store(at * hn::Load(d, rule.weight_lanes + k), d, row.weight + k);
       widest = hn::Max(widest, at);
     }
     row.size = std::max((p.x1 - p.x0) * std::min(1.0, 1.2 * double(largest(widest))), high);
   }
   HWY_INLINE V versine(const Row& row, std::size_t k, V x) const {
-    return hn::Add(hn::Set(D(), row.c[k]), hn::Mul(hn::Set(D(), row.g[k]), x));
+    return broadcast(row.c[k]) + broadcast(row.g[k]) * x;
   }
-  HWY_INLINE V weight(const Row& row, std::size_t k, V /*x*/) const { return hn::Set(D(), row.weight[k]); }
+  HWY_INLINE V weight(const Row& row, std::size_t k, V /*x*/) const { return broadcast(row.weight[k]); }
 
-  HWY_INLINE Seen seen(const Piece& p) const {
+  HWY_INLINE PiecePoints points_of(const Piece& p) const {
     const D d;
-    const V one = hn::Set(d, 1), half = hn::Set(d, 0.5F);
-    Seen s;
+    const V one = broadcast(1), half = broadcast(0.5);
+    PiecePoints s;
     V widest = hn::Zero(d);
     for (std::size_t k = 0; k < vectors; ++k) {
-      const V x = hn::Mul(half, place(points.x, k, p.x0, p.x1)), y = hn::Mul(half, place(points.y, k, p.y0, p.y1));
-      const V xx = hn::Mul(x, x), yy = hn::Mul(y, y), across = hn::Mul(x, sine_series(xx)),
-              down = hn::Mul(y, sine_series(yy));
-      const V c = hn::Mul(hn::Set(d, 2), hn::Mul(down, down)), v = hn::Mul(hn::Set(d, 2), hn::Mul(across, across));
-      const V twice = hn::Mul(hn::Set(d, 2), hn::Mul(down, cosine_series(yy)));
-      const V at =
-          hn::Max(hn::Zero(d), hn::Add(hn::Mul(hn::Set(d, sine), hn::Sub(one, c)), hn::Mul(hn::Set(d, cosine), twice)));
-      s.x[k] = hn::Add(c, hn::Mul(hn::Mul(at, hn::Set(d, sine)), v));
-      s.weight[k] = hn::Mul(at, hn::Load(d, points.weight + k * lanes));
+      const V x = half * place(points.x, k, p.x0, p.x1), y = half * place(points.y, k, p.y0, p.y1);
+      const V xx = x * x, yy = y * y, across = x * sine_series(xx), down = y * sine_series(yy);
+      const V c = broadcast(2) * (down * down), v = broadcast(2) * (across * across);
+      const V twice = broadcast(2) * (down * cosine_series(yy));
+      const V at = hn::Max(hn::Zero(d), broadcast(sine) * (one - c) + broadcast(cosine) * twice);
+      s.x[k] = c + at * broadcast(sine) * v;
+      s.weight[k] = at * hn::Load(d, points.weight + k * lanes);
       widest = hn::Max(widest, at);
     }
     s.size = std::max((p.x1 - p.x0) * std::min(1.0, 1.2 * double(largest(widest))), p.y1 - p.y0);
@@ -116,24 +115,24 @@ struct OnLatlong {
  private:
   // sin(t) / t and cos(t), of t^2 up to (pi / 2)^2.
   static HWY_INLINE V sine_series(V tt) {
-    return series(D(), tt, 1, -1.0 / 6, 1.0 / 120, -1.0 / 5040, 1.0 / 362880, -1.0 / 39916800);
+    return polynomial(D(), tt, 1, -1.0 / 6, 1.0 / 120, -1.0 / 5040, 1.0 / 362880, -1.0 / 39916800);
   }
   static HWY_INLINE V cosine_series(V tt) {
-    return series(D(), tt, 1, -0.5, 1.0 / 24, -1.0 / 720, 1.0 / 40320, -1.0 / 3628800, 1.0 / 479001600);
+    return polynomial(D(), tt, 1, -0.5, 1.0 / 24, -1.0 / 720, 1.0 / 40320, -1.0 / 3628800, 1.0 / 479001600);
   }
 };
 
-// Coordinates of a cube's face, from -1 to 1. With p = (s, t, 1) and q the output's place on the face,
-// 1 - cos = |p x q|^2 / (|p| |q| (|p| |q| + p.q)), which is a sum of squares of differences.
+// A cube's face, with coordinates from -1 to 1. With p = (s, t, 1) the point and q the output's place on the face, x =
+// |p x q|^2 / (|p| |q| (|p| |q| + p.q)), and |p x q|^2 is a sum of squares of differences.
 struct OnCube {
   float s, t, length;  // q, and its length.
 
-  HWY_INLINE Seen seen(const Piece& p) const {
-    Seen out;
+  HWY_INLINE PiecePoints points_of(const Piece& p) const {
+    PiecePoints out;
     for (std::size_t k = 0; k < vectors; ++k) {
       const V ds = place(points.x, k, p.x0, p.x1), dt = place(points.y, k, p.y0, p.y1);
       out.x[k] = versine(ds, dt);
-      out.weight[k] = hn::Mul(hn::Load(D(), points.weight + k * lanes), area(ds, dt));
+      out.weight[k] = hn::Load(D(), points.weight + k * lanes) * area(ds, dt);
     }
     out.size = std::max(p.x1 - p.x0, p.y1 - p.y0);
     return out;
@@ -143,33 +142,32 @@ struct OnCube {
 
   struct Row {
     double size;
-    float down[Rule::most], weight[Rule::most];
+    float down[PanelRule::most], weight[PanelRule::most];
   };
-  HWY_INLINE void set(const Piece& p, const Rule& rule, Row& row) const {
+  HWY_INLINE void set(const Piece& p, const PanelRule& rule, Row& row) const {
     row.size = p.y1 - p.y0;
     for (std::size_t k = 0; k < rule.count; ++k)
       row.down[k] = float(p.y0 + rule.at[k] * row.size), row.weight[k] = float(rule.weight[k]);
   }
-  HWY_INLINE V versine(const Row& row, std::size_t k, V x) const { return versine(x, hn::Set(D(), row.down[k])); }
+  HWY_INLINE V versine(const Row& row, std::size_t k, V x) const { return versine(x, broadcast(row.down[k])); }
   HWY_INLINE V weight(const Row& row, std::size_t k, V x) const {
-    return hn::Mul(hn::Set(D(), row.weight[k]), area(x, hn::Set(D(), row.down[k])));
+    return broadcast(row.weight[k]) * area(x, broadcast(row.down[k]));
   }
 
  private:
-  HWY_INLINE V square(V s1, V t1) const { return hn::Add(hn::Set(D(), 1), hn::Add(hn::Mul(s1, s1), hn::Mul(t1, t1))); }
+  HWY_INLINE V square(V s1, V t1) const { return broadcast(1) + (s1 * s1 + t1 * t1); }
   HWY_INLINE V versine(V ds, V dt) const {
-    const D d;
-    const V s0 = hn::Set(d, s), t0 = hn::Set(d, t), s1 = hn::Add(s0, ds), t1 = hn::Add(t0, dt);
-    const V turn = hn::Sub(hn::Mul(ds, t0), hn::Mul(dt, s0));
-    const V cross = hn::Add(hn::Mul(turn, turn), hn::Add(hn::Mul(ds, ds), hn::Mul(dt, dt)));
-    const V dot = hn::Add(hn::Set(d, 1), hn::Add(hn::Mul(s1, s0), hn::Mul(t1, t0)));
-    const V both = hn::Mul(hn::Sqrt(square(s1, t1)), hn::Set(d, length));
-    return hn::Div(cross, hn::Mul(both, hn::Add(both, dot)));
+    const V s0 = broadcast(s), t0 = broadcast(t), s1 = s0 + ds, t1 = t0 + dt;
+    const V turn = ds * t0 - dt * s0;
+    const V cross = turn * turn + (ds * ds + dt * dt);
+    const V dot = broadcast(1) + (s1 * s0 + t1 * t0);
+    const V both = hn::Sqrt(square(s1, t1)) * broadcast(length);
+    return cross / (both * (both + dot));
   }
-  // Steradians, over those of the face's middle.
+  // Solid angle over that in the middle of the face.
   HWY_INLINE V area(V ds, V dt) const {
-    const V all = square(hn::Add(hn::Set(D(), s), ds), hn::Add(hn::Set(D(), t), dt));
-    return hn::Div(hn::Set(D(), 1), hn::Mul(all, hn::Sqrt(all)));
+    const V all = square(broadcast(s) + ds, broadcast(t) + dt);
+    return broadcast(1) / (all * hn::Sqrt(all));
   }
 };
 

@@ -1,5 +1,5 @@
-// The middles of narrow lobes, summed over the texels of the source: narrower than any grid of multilevel sums.
-// Compiled once for every instruction set and chosen at run time.
+// The near field of narrow lobes over the texels of a source: rows of a latlong map, then faces of a cube. Compiled
+// once for every instruction set and chosen at run time.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -21,12 +21,12 @@ HWY_BEFORE_NAMESPACE();
 namespace envmap::prefiltering {
 namespace HWY_NAMESPACE {
 
-// A row of a latlong map, as an output sees it.
-struct SeenRow {
+// A row of a latlong map as an output sees it.
+struct RowOfLatlong {
   OnLatlong place;
   RowOfTexels texels;
 
-  // The longitude of its farther end.
+  // The longitude of its farther end from the output.
   [[nodiscard]] double farthest() const {
     const Piece& p = texels.texel;
     return std::max(-p.x0, p.x0 + texels.count * (p.x1 - p.x0));
@@ -38,7 +38,7 @@ struct SeenRow {
   }
 };
 
-// Rows lie far apart in memory.
+// Prefetches a row: rows lie far apart in memory.
 HWY_INLINE void prefetch(const RowOfTexels& texels) {
   constexpr int in_cache_line = 5;
   const int columns = int(texels.row.size());
@@ -46,21 +46,21 @@ HWY_INLINE void prefetch(const RowOfTexels& texels) {
     hwy::Prefetch(&texels.row[std::size_t(column_of(k, columns))]);
 }
 
-// What is within x = end of a direction. @param at its column.
-std::vector<SeenRow> rows_within(const Level& source, double end, const GridView& view, double at) {
+// The texels within x = end of a direction, by rows. @param at the direction's column.
+std::vector<RowOfLatlong> rows_within(const Level& source, double end, const GridView& view, double at) {
   const double reach = 2 * portable::asin(std::sqrt(0.5 * end)), step = pi / source.height();
   const int columns = source.width(), low = std::max(0, int((view.angle - reach) / step)),
             high = std::min(source.height() - 1, int((view.angle + reach) / step));
   const double wide = 2 * pi / columns;
   const OnLatlong place(view);
-  std::vector<SeenRow> all;
+  std::vector<RowOfLatlong> all;
   all.reserve(std::size_t(std::max(0, high - low + 1)));
   OnLatlong::Side above = place.side(low * step - view.angle);
   for (int row = low; row <= high; ++row) {
     const double y = row * step - view.angle;
     const OnLatlong::Side top = above, below = place.side((row + 1) * step - view.angle);
     const double sine = std::min(top.sine, below.sine);
-    const double c = top.off.sine > 0 ? top.off.versine : below.off.sine < 0 ? below.off.versine : 0;
+    const double c = top.angle.sine > 0 ? top.angle.versine : below.angle.sine < 0 ? below.angle.versine : 0;
     above = below;
     const double versine = (end - c) / std::max(1e-30, sine * view.sine);
     if (versine <= 0) continue;
@@ -74,33 +74,33 @@ std::vector<SeenRow> rows_within(const Level& source, double end, const GridView
   return all;
 }
 
-// Columns that rows have, from low to before high, as longitudes from an output.
-struct SeenColumns {
-  double at;  // The output's column.
+// The columns [low, high) that the rows have together, as longitudes from an output.
+struct Columns {
+  double at;  // Column of the output.
   int columns, low, high;
 
-  // Their v = 1 - cos, at a part of a column from its left.
+  // Sets v = 1 - cos of their longitudes, at a part of a column from its left.
   void set(double part, float* v) const { versines(at - part, columns, low, high, v); }
 };
 
-using SeenRows = std::span<const SeenRow>;
+using RowsOfLatlong = std::span<const RowOfLatlong>;
 
-Flux over_rows(const LevelKernel& k, SeenRows rows, const SeenColumns& columns, const Light& of) {
+Flux over_rows(const LevelKernel& k, RowsOfLatlong rows, const Columns& columns, const Light& of) {
   const Piece& first = rows[0].texels.texel;
   const Rules rules = rules_for(k, first.y1 - first.y0, columns.low, columns.high - columns.low);
   for (const RuleAcross& r : rules.all)
     for (std::size_t e = 0; e < r.rule.count; ++e) columns.set(r.rule.at[e], r.x + e * r.stride);
   Flux sum(0);
-  for (const SeenRow& r : rows) sum += OverRow(r.place, k, rules, r.texels, of);
+  for (const RowOfLatlong& r : rows) sum += OverRow(r.place, k, rules, r.texels, of);
   return sum;
 }
 
-// The middles of panels of columns.
+// v = 1 - cos(longitude) in the middles of the panels of columns.
 struct Middles {
-  std::size_t panels, stride;  // Panels of a column. The middles of one panel follow those of the one before.
+  std::size_t panels, stride;  // Panels of a column. All first panels come first, then all second ones.
   std::vector<float> v;
 
-  Middles(const SeenColumns& columns, std::size_t of_panels)
+  Middles(const Columns& columns, std::size_t of_panels)
       : panels(of_panels), stride(std::size_t(columns.high - columns.low) + virtual_lanes), v(panels * stride) {
     for (std::size_t n = 0; n < panels; ++n) columns.set((double(n) + 0.5) / double(panels), &v[n * stride]);
   }
@@ -110,14 +110,13 @@ Flux over_power_row(const PowerPolynomial& power, const RowOfTexels& texels, int
                     const Light& of) {
   const D d;
   Sums total;
-  count(Work::core_points, std::size_t(texels.count) * middles.panels);
+  count(Work::near_field_points, std::size_t(texels.count) * middles.panels);
   for (int k = 0; k < texels.count; k += int(virtual_lanes)) {
     const EightTexels eight(texels, k, of);
     for (std::size_t part = 0; part < parts; ++part) {
       const float* v = &middles.v[std::size_t(texels.first - low + k) + part * lanes];
       V mean = power.mean_of(hn::LoadU(d, v));
-      for (std::size_t n = 1; n < middles.panels; ++n)
-        mean = hn::Add(mean, power.mean_of(hn::LoadU(d, v + n * middles.stride)));
+      for (std::size_t n = 1; n < middles.panels; ++n) mean += power.mean_of(hn::LoadU(d, v + n * middles.stride));
       total.add(part, mean, eight.light[0] + part * lanes, virtual_lanes);
     }
   }
@@ -125,15 +124,15 @@ Flux over_power_row(const PowerPolynomial& power, const RowOfTexels& texels, int
 }
 
 template <bool cosine>
-Flux over_power_rows(const LevelKernel& k, SeenRows rows, const SeenColumns& columns, const Light& of) {
+Flux over_power_rows(const LevelKernel& k, RowsOfLatlong rows, const Columns& columns, const Light& of) {
   const Piece& first = rows[0].texels.texel;
   const double high = first.y1 - first.y0;
   const Middles middles(columns, panels_for(k, high));
-  const Rule& down = four_points[middles.panels / 2];
+  const PanelRule& down = four_points[middles.panels / 2];
   std::vector<PowerRow> powers;
   powers.reserve(rows.size());
   double least = 1, most = 0, farthest = 0;
-  for (const SeenRow& r : rows) {
+  for (const RowOfLatlong& r : rows) {
     OnLatlong::Row points;
     r.place.set(r.texels.texel, down, points);
     const PowerRow& power = powers.emplace_back(PowerRow::of<cosine>(k, points, down.count));
@@ -148,25 +147,25 @@ Flux over_power_rows(const LevelKernel& k, SeenRows rows, const SeenColumns& col
   return panel * high * sum;
 }
 
-// Whether a power falls little enough over a quarter of a texel for polynomials of its logarithm.
+// Whether a power falls little enough over a quarter of a texel for narrow_power-inl.h.
 bool is_power(const LevelKernel& k, double side) {
-  return k.kind == LevelKernel::Kind::power && fall_over(k, 0.25 * side) <= double(k.uneven);
+  return k.kind == LevelKernel::Kind::power && fall_over(k, 0.25 * side) <= double(k.max_variation);
 }
 
-Flux OfLatlong(const Light& light, const LevelKernel& k, const GridView& view) {
+Flux NearFieldLatlong(const Light& light, const LevelKernel& k, const GridView& view) {
   const int columns = light.source.width();
   const double at = view.longitude * columns / (2 * pi);
-  std::vector<SeenRow> rows = rows_within(light.source, double(k.end), view, at);
+  std::vector<RowOfLatlong> rows = rows_within(light.source, double(k.end), view, at);
   if (rows.empty()) return Flux(0);
-  SeenColumns seen{at, columns, columns, -columns};
-  for (const SeenRow& r : rows) {
+  Columns seen{at, columns, columns, -columns};
+  for (const RowOfLatlong& r : rows) {
     seen.low = std::min(seen.low, r.texels.first);
     seen.high = std::max(seen.high, r.texels.first + r.texels.count + int(virtual_lanes));
   }
   auto others = rows.begin();
   if (is_power(k, pi / light.source.height()))
-    others = std::ranges::stable_partition(rows, &SeenRow::is_far_from_poles).begin();
-  const auto powers = SeenRows(rows.begin(), others), rest = SeenRows(others, rows.end());
+    others = std::ranges::stable_partition(rows, &RowOfLatlong::is_far_from_poles).begin();
+  const auto powers = RowsOfLatlong(rows.begin(), others), rest = RowsOfLatlong(others, rows.end());
   Flux sum(0);
   if (!powers.empty())
     sum += k.cosine ? over_power_rows<true>(k, powers, seen, light) : over_power_rows<false>(k, powers, seen, light);
@@ -174,8 +173,8 @@ Flux OfLatlong(const Light& light, const LevelKernel& k, const GridView& view) {
   return sum;
 }
 
-// Which of a face's rows or columns reach to within `reach` of a direction, whose part in front is `ahead`, whose part
-// to the side `aside`.
+// The rows or columns of a face that come within `reach` of a direction. @param ahead,aside the direction's components
+// along the face's axis and along its side.
 struct Cells {
   int first, last;
 };
@@ -190,7 +189,7 @@ Cells cells_of(double ahead, double aside, double reach, int size) {
   return {std::max(0, cell(angle - wide)), std::min(size - 1, cell(angle + wide))};
 }
 
-Flux OfCube(const Light& light, const LevelKernel& k, const Direction& n) {
+Flux NearFieldCube(const Light& light, const LevelKernel& k, const Direction& n) {
   const Level& source = light.source;
   const double reach = 2 * portable::asin(std::sqrt(0.5 * double(k.end)));
   const int size = source.height();
@@ -226,15 +225,15 @@ HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 namespace envmap::prefiltering {
-HWY_EXPORT(OfLatlong);
-HWY_EXPORT(OfCube);
+HWY_EXPORT(NearFieldLatlong);
+HWY_EXPORT(NearFieldCube);
 
-Flux core_sum(const Level& source, const Colour& darkest, double unit, const LevelKernel& kernel,
-              const Direction& direction) {
-  const Light light(source, darkest, unit);
+Flux near_field_sum(const Level& source, const Colour& min_radiance, double unit, const LevelKernel& kernel,
+                    const Direction& direction) {
+  const Light light(source, min_radiance, unit);
   if (source.projection() == Projection::cube)
-    return kernel.scale * HWY_DYNAMIC_DISPATCH(OfCube)(light, kernel, direction);
-  return kernel.scale * HWY_DYNAMIC_DISPATCH(OfLatlong)(light, kernel, GridView(direction));
+    return kernel.scale * HWY_DYNAMIC_DISPATCH(NearFieldCube)(light, kernel, direction);
+  return kernel.scale * HWY_DYNAMIC_DISPATCH(NearFieldLatlong)(light, kernel, GridView(direction));
 }
 
 }  // namespace envmap::prefiltering

@@ -1,5 +1,6 @@
 /// @file
-/// What cores of lobes are sums over: rows of texels of a source, by rules of Gauss points.
+/// The near field of a lobe: the part that is narrower than any grid of multilevel sums, summed over the texels of the
+/// source. Declarations that the files of this folder share; multilevel_kernels.h declares near_field_sum().
 #pragma once
 
 #include <array>
@@ -11,10 +12,10 @@
 
 namespace envmap::prefiltering {
 
-// A rule for texels that are even enough, and the coordinates across of its points: see gauss_points-inl.h.
+// A rule of points for a row of texels, with the coordinates of its points across (gauss_points-inl.h).
 struct RuleAcross {
-  const Rule& rule;
-  double part;             // It does for this part of the unevenness that four points of a panel do for.
+  const PanelRule& rule;
+  double part;             // The variation that it serves, over that of four points of a panel.
   float* x = nullptr;      // The first point of each texel.
   std::size_t stride = 0;  // The coordinates of the next points follow so far behind.
 
@@ -22,26 +23,26 @@ struct RuleAcross {
   [[nodiscard]] const float* middle_of(std::size_t k) const { return x + rule.count / 2 * stride + k; }
 };
 
-// From the sparsest on.
+// Rules from the sparsest on.
 struct Rules {
   std::array<RuleAcross, 3> all;
   int low = 0;  // Column of the first coordinates.
 };
 
-// Texels of one row of the source, as an output sees them.
+// Texels of one row of the source, in coordinates about an output.
 struct RowOfTexels {
   std::span<const Colour> row;
   int first, count;  // Column of the first, which may lie beyond the row: rows of latlong maps wrap.
   Piece texel;       // The first.
 };
 
-// The light of a source is counted from the darkest, in a unit that keeps its sums within floats.
+// The light of a source less its least radiance, in a unit that keeps its sums within floats.
 struct Light {
   const Level& source;
-  const Colour& darkest;
+  const Colour& min_radiance;
   float scale, scale_again;  // Their product is 1 / unit, which may be beyond floats.
   Light(const Level& of, const Colour& least, double unit)
-      : source(of), darkest(least), scale(float(1 / std::sqrt(unit))), scale_again(scale) {}
+      : source(of), min_radiance(least), scale(float(1 / std::sqrt(unit))), scale_again(scale) {}
 };
 
 }  // namespace envmap::prefiltering

@@ -1,4 +1,5 @@
-// Cells of a source that the horizon of an output direction cuts: cube faces, then latlong maps.
+// Cells of a source that the horizon of an output direction cuts: cube faces, then latlong maps. horizon_cells.h has
+// the coordinates.
 #include "envmap/prefilter/prefix_sums/horizon_cells.h"
 
 #include <algorithm>
@@ -13,11 +14,11 @@ namespace envmap::prefiltering {
 
 namespace {
 
-// Gauss points of 1 / r^4 and 1 / r^5 over a square: two a side are off by 1e-12 of it where it is this small, and
-// three by 1e-11 up to 1/32.
+// The side of a square over which two Gauss points each way integrate 1 / r^4 and 1 / r^5 to 1e-12. Three do to 1e-11
+// for sides up to 1/32.
 constexpr double small = 0.002;
 
-// f(s, t, weight x area) at Gauss points of a rectangle.
+// Calls f(s, t, weight x area) at Gauss points of a square.
 template <class F>
 void at_points(double s, double t, double half, F&& f) {
   const auto go = [&](const auto& rule) {
@@ -31,7 +32,7 @@ void at_points(double s, double t, double half, F&& f) {
     go(quadrature::rule<3>());
 }
 
-// Largest and least 1 / r of a rectangle, and by how much powers of them differ from those of the middle.
+// 1 / r in the middle of a rectangle, its extremes over it, and the variation of its powers.
 struct Distances {
   double middle, near, far;
   Distances(double x, double half_x, double y, double half_y) {
@@ -41,7 +42,9 @@ struct Distances {
     near = 1 / std::sqrt(1 + near_x * near_x + near_y * near_y);
     far = 1 / std::sqrt(1 + far_x * far_x + far_y * far_y);
   }
-  [[nodiscard]] double uneven(int power) const { return prefiltering::uneven(near / middle, far / middle, power); }
+  [[nodiscard]] double variation(int power) const {
+    return prefiltering::variation(near / middle, far / middle, power);
+  }
 };
 
 }  // namespace
@@ -49,7 +52,7 @@ struct Distances {
 CubeGrid::CubeGrid(int /*width*/, int height) : size_(height) {}
 
 CubeGrid::Row CubeGrid::row(int row, int order) const {
-  Row made{std::vector<std::array<double, hinge_moments.back()>>(std::size_t(size_))};
+  Row made{std::vector<std::array<double, moment_counts.back()>>(std::size_t(size_))};
   for (int i = 0; i < size_; ++i) {
     const Part p = texel({}, row, i);
     auto& m = made.moments[std::size_t(i)];
@@ -67,8 +70,8 @@ CubeGrid::Row CubeGrid::row(int row, int order) const {
   return made;
 }
 
-void CubeGrid::Row::add(std::span<const Colour> texels, int first, int order, HingeBlock& block) const {
-  const std::size_t count = hinge_moments[std::size_t(order)];
+void CubeGrid::Row::add(std::span<const Colour> texels, int first, int order, BlockMoments& block) const {
+  const std::size_t count = moment_counts[std::size_t(order)];
   for (std::size_t i = 0; i < texels.size(); ++i) {
     const auto& weights = moments[std::size_t(first) + i];
     const Flux light(texels[i]);
@@ -102,9 +105,9 @@ CubeGrid::Cells CubeGrid::cells(int side) const {
                              .solid_angle = o,
                              .mean = {mx / o, my / o, mz / o},
                              .weight1 = weight,
-                             .uneven1 = r.uneven(4),
+                             .variation1 = r.variation(4),
                              .weight2 = weight * r.middle,
-                             .uneven2 = r.uneven(5)});
+                             .variation2 = r.variation(5)});
     }
   }
   return made;
@@ -117,8 +120,7 @@ RowSpan CubeGrid::Cells::span(const FaceDirection& n, const double* /*angles*/, 
   const double slope = std::max(std::abs(n.x), 1e-300);
   if (low >= slope) return {0, 0, count, count};
   if (high <= -slope) return {0, 0, 0, 0};
-  // Columns from the side where L is least: from `any` on they have light above the horizon,
-  // from `all` on nothing else.
+  // x from the side where L is least: a column has light above the horizon from `any` on, and no other from `all` on.
   const auto column = [&](double x) {
     return std::clamp(int(0.5 * (x + 1) * across.texels) / across.side, 0, count - 1);
   };
@@ -141,8 +143,8 @@ PartView CubeGrid::Part::view(const FaceDirection& n) const {
   const Distances r(x, half, y, half);
   v.middle = n.x * x + n.y * y + n.z;
   v.across = std::abs(n.x) * half, v.down = std::abs(n.y) * half;
-  v.weight1 = 4 * half * half * r.middle * r.middle * r.middle * r.middle, v.uneven1 = r.uneven(4);
-  v.weight2 = v.weight1 * r.middle, v.uneven2 = r.uneven(5);
+  v.weight1 = 4 * half * half * r.middle * r.middle * r.middle * r.middle, v.variation1 = r.variation(4);
+  v.weight2 = v.weight1 * r.middle, v.variation2 = r.variation(5);
   return v;
 }
 
@@ -155,8 +157,7 @@ Division<CubeGrid::Part> CubeGrid::Part::divided() const {
 
 namespace {
 
-constexpr int deepest = 13;                  // Halvings of a texel.
-constexpr double node = 0.7745966692414834;  // Gauss points of three: sqrt(3/5), weights 5/9 and 8/9.
+constexpr int deepest = 13;  // Halvings of a texel.
 
 double cot(double sine, double cosine) { return cosine / sine; }
 
@@ -164,10 +165,10 @@ double cot(double sine, double cosine) { return cosine / sine; }
 
 LatlongGrid::LatlongGrid(int width, int height) : width_(width), height_(height) {
   for (int k = 0; k <= deepest; ++k) {
-    const double down = std::ldexp(0.5 / height, -k), across = std::ldexp(1.0 / width, -k);  // Over pi.
+    const double down = std::ldexp(0.5 / height, -k), across = std::ldexp(1.0 / width, -k);  // Angles over pi.
     halvings_.push_back({portable::sin_pi(down), portable::cos_pi(down), portable::sin_pi(across),
-                         portable::cos_pi(across), portable::sin_pi(node * down), portable::cos_pi(node * down),
-                         pi * across});
+                         portable::cos_pi(across), portable::sin_pi(quadrature::gauss_3.node[2] * down),
+                         portable::cos_pi(quadrature::gauss_3.node[2] * down), pi * across});
   }
   for (int j = 0; j < height; ++j)
     rows_.push_back({portable::cos_pi((j + 0.5) / height), portable::sin_pi((j + 0.5) / height)});
@@ -182,7 +183,7 @@ LatlongGrid::LatlongGrid(int width, int height) : width_(width), height_(height)
   }
 }
 
-// Longitude 2 pi u is counted from -Z towards +X.
+// Longitudes are 2 pi u: they start at -Z and rise towards +X.
 FaceDirection LatlongGrid::seen(int, const Direction& n) { return {-n.z, n.x, n.y, portable::atan2(n.x, -n.z)}; }
 
 LatlongGrid::Row LatlongGrid::row(int row, int /*order*/) const {
@@ -198,31 +199,32 @@ LatlongGrid::Row LatlongGrid::row(int row, int /*order*/) const {
   return made;
 }
 
-void LatlongGrid::Row::add(std::span<const Colour> texels, int first, int order, HingeBlock& block) const {
-  Flux even(0), x(0), y(0), xx(0), xy(0), xxx(0), xxy(0);
+void LatlongGrid::Row::add(std::span<const Colour> texels, int first, int order, BlockMoments& block) const {
+  Flux uniform(0), x(0), y(0), xx(0), xy(0), xxx(0), xxy(0);
   for (std::size_t i = 0; i < texels.size(); ++i) {
     const std::array<double, 6>& a = grid->across_[std::size_t(first) + i];
     const Flux light(texels[i]);
     block.least = glm::min(block.least, texels[i]);
-    even += light, x += a[0] * light, y += a[1] * light;
+    uniform += light, x += a[0] * light, y += a[1] * light;
     if (order > 1) xx += a[2] * light, xy += a[3] * light;
     if (order > 2) xxx += a[4] * light, xxy += a[5] * light;
   }
-  even *= 2 * pi / grid->width_;
+  uniform *= 2 * pi / grid->width_;
   const auto put = [&](std::size_t m, const Flux& f) {
     for (std::size_t k = 0; k < 3; ++k) block.moments[m][k] += f[int(k)];
   };
-  put(0, o * even), put(1, s * x), put(2, s * y), put(3, c * even);
+  put(0, o * uniform), put(1, s * x), put(2, s * y), put(3, c * uniform);
   if (order > 1)
-    put(4, ss * xx), put(5, ss * (even - xx)), put(6, cc * even), put(7, ss * xy), put(8, cs * x), put(9, cs * y);
+    put(4, ss * xx), put(5, ss * (uniform - xx)), put(6, cc * uniform), put(7, ss * xy), put(8, cs * x), put(9, cs * y);
   if (order > 2)
     put(10, sss * xxx), put(11, sss * xxy), put(12, ssc * xx), put(13, sss * (x - xxx)), put(14, ssc * xy),
-        put(15, sss * (y - xxy)), put(16, ssc * (even - xx));
+        put(15, sss * (y - xxy)), put(16, ssc * (uniform - xx));
 }
 
 namespace {
 
-// Between two polar angles, over pi.
+// The shape of the cells of a row. @param top,bottom polar angles over pi. @param pole 1 or -1 where the row touches
+// one.
 CellShape row_shape(double top, double bottom, int pole) {
   const double s0 = portable::sin_pi(top), s1 = portable::sin_pi(bottom), c0 = portable::cos_pi(top),
                c1 = portable::cos_pi(bottom);
@@ -247,7 +249,8 @@ CellShape row_shape(double top, double bottom, int pole) {
   const double r = 1 / std::sqrt(1 + shape.centre * shape.centre);
   shape.weight1 = 2 * shape.half * power(r, 4) / shape.solid_angle;
   shape.weight2 = 2 * shape.half * power(r, 5) / shape.solid_angle;
-  shape.uneven1 = uneven(shape.near / r, shape.far / r, 4), shape.uneven2 = uneven(shape.near / r, shape.far / r, 5);
+  shape.variation1 = variation(shape.near / r, shape.far / r, 4),
+  shape.variation2 = variation(shape.near / r, shape.far / r, 5);
   return shape;
 }
 
@@ -257,12 +260,12 @@ LatlongGrid::Cells LatlongGrid::cells(int side) const {
   Cells made{{width_, side}, {height_, side}, {}, {}, {}};
   const double h = height_, w = width_;
   for (int k = 0; k < made.across.count(); ++k) {
-    // Over pi.
+    // Longitudes over pi.
     const double middle = (made.across.first(k) + made.across.end(k)) / w,
                  half = (made.across.end(k) - made.across.first(k)) / w;
     const double sine = portable::sin_pi(half), cosine = portable::cos_pi(half), angle = pi * half;
-    // cos over the column: about (1 + cosine) / 2, within (1 - cosine) / 2; sin: a line to its ends,
-    // within 0.07 angle^3.
+    // Over the column cos is within (1 - cosine) / 2 of (1 + cosine) / 2, and sin within 0.07 angle^3 of the line to
+    // its ends.
     made.columns.push_back({portable::cos_pi(middle), portable::sin_pi(middle), 0.5 * (1 + cosine), sine,
                             0.5 * (1 - cosine), 0.07 * angle * angle * angle, sine / angle, 2 * angle});
   }
@@ -278,26 +281,28 @@ LatlongGrid::Cells LatlongGrid::cells(int side) const {
 
 RowSpan LatlongGrid::Cells::span(const FaceDirection& n, const double* angles, int row) const {
   const int count = across.count();
+  // Longitudes within `inner` of n's have both borders of the row above the horizon, those within `outer` one or both.
   const double inner = std::min(angles[row], angles[row + 1]), outer = std::max(angles[row], angles[row + 1]);
   if (outer <= 0) return {0, 0, 0, 0};
   if (inner >= pi) return {0, 0, count, count};
-  constexpr double margin = 1e-12;  // Of rounding.
+  constexpr double margin = 1e-12;  // Of rounding errors.
+  // Columns are counted on copies of the row side by side, two turns on, so that none is negative.
+  const double middle = n.longitude + 4 * pi;
   const auto column = [&](double longitude) {
     const double turns = longitude / (2 * pi);
     const int whole = int(turns);
     return whole * count + std::min(int((turns - whole) * across.texels) / across.side, count - 1);
   };
-  const double at = n.longitude + 4 * pi;  // No column below 0.
-  RowSpan s{column(at - outer - margin), column(at - inner + margin) + 1, column(at + inner - margin),
-            column(at + outer + margin) + 1};
-  if (s.first >= s.last) {
+  RowSpan s{column(middle - outer - margin), column(middle - inner + margin) + 1, column(middle + inner - margin),
+            column(middle + outer + margin) + 1};
+  if (s.first >= s.last) {  // No cell is wholly above: all may be cut, each once.
     s.end = std::min(s.end, s.cut + count);
     s.first = s.last = s.end;
-  } else if (s.end - s.cut >= count) {
+  } else if (s.end - s.cut >= count) {  // The cut cells of both sides meet behind n.
     s.cut = s.first, s.end = s.first + count;
   }
-  const int before = s.cut < count ? 0 : s.cut < 2 * count ? count : 2 * count;
-  return {s.cut - before, s.first - before, s.last - before, s.end - before};
+  const int turned = s.cut / count * count;
+  return {s.cut - turned, s.first - turned, s.last - turned, s.end - turned};
 }
 
 LatlongGrid::Part LatlongGrid::texel(const FaceDirection& n, int row, int column) const {
@@ -310,13 +315,13 @@ PartView LatlongGrid::Part::view(const FaceDirection& n) const {
   const Halving &h = grid->halvings_[std::size_t(down)], &a = grid->halvings_[std::size_t(across)];
   const double half_height = 0.5 * pi / std::ldexp(double(grid->height_), down);
   const double once = 2 * level * a.sine_across, twice = a.sine_across * a.cosine_across;
-  // Of the powers of cos over the columns.
+  // Integrals over the columns of the square and the cube of `level` cos + `turn` sin.
   const double squares = level * level * (a.across + twice) + turn * turn * (a.across - twice);
   const double sine_cubed = a.sine_across * a.sine_across * a.sine_across;
   const double cubes = level * level * once + 2.0 / 3 * sine_cubed * level * (3 * turn * turn - level * level);
   PartView v{};
   for (int k = -1; k <= 1; ++k) {
-    const double weight = half_height * (k == 0 ? 8.0 / 9 : 5.0 / 9), sn = k * h.sine_node,
+    const double weight = half_height * quadrature::gauss_3.weight[std::size_t(k + 1)], sn = k * h.sine_node,
                  cn = k == 0 ? 1 : h.cosine_node;
     const double s = sine * cn + cosine * sn, c = cosine * cn - sine * sn, height = n.z * c;
     v.solid_angle += weight * s * 2 * a.across;
@@ -340,12 +345,12 @@ PartView LatlongGrid::Part::view(const FaceDirection& n) const {
   v.bend = std::abs(level) * 0.5 * (1 - a.cosine_across) + std::abs(turn) * 0.07 * a.across * a.across * a.across;
   const double area = 4 * half * a.across, most = c0 > 0 && c1 < 0 ? 1 : std::max(s0, s1), up = most / r,
                low = std::min(s0, s1) / r;
-  v.weight1 = area * r * r * r * r, v.uneven1 = std::max(up * up * up * up - 1, 1 - low * low * low * low);
-  v.weight2 = v.weight1 * r, v.uneven2 = std::max(up * up * up * up * up - 1, 1 - low * low * low * low * low);
+  v.weight1 = area * r * r * r * r, v.variation1 = variation(up, low, 4);
+  v.weight2 = v.weight1 * r, v.variation2 = variation(up, low, 5);
   return v;
 }
 
-// A part at a pole keeps its longitudes where it touches the pole, or there would be more and more of these.
+// The part that touches a pole keeps its longitudes, so that there is only one of it at each depth.
 Division<LatlongGrid::Part> LatlongGrid::Part::divided() const {
   const Halving &d = grid->halvings_[std::size_t(down) + 1], &a = grid->halvings_[std::size_t(across) + 1];
   Division<Part> made{};

@@ -1,12 +1,12 @@
 /// @file
-/// Geometry of the cells of a source as the horizon of an output direction cuts them, for latlong maps and cube faces.
+/// The cells of a source as the horizon of an output direction cuts them, for latlong maps and cube faces.
 ///
 /// On both, t = n.d = L / r with r > 0 and L a (nearly) linear function of two coordinates (x,y):
 ///   cube     x and y are the face's own s and t, r^2 = 1 + x^2 + y^2, L is linear
 ///   latlong  x is the longitude, y = cot(polar angle), r^2 = 1 + y^2, L = n_z y + |n_xy| cos(x - x_n)
 /// and the solid angle is dx dy / r^3. So the horizon L = 0 is a straight line, the integral of t+ is that of L+ / r^4,
-/// and the integral of t+^2 is that of L+^2 / r^5. A latlong row that touches a pole has no finite y.
-/// It gives a range of t alone.
+/// and the integral of t+^2 is that of L+^2 / r^5. A latlong row that touches a pole has no finite y: only the range of
+/// t over its cells is known.
 #pragma once
 
 #include <algorithm>
@@ -23,52 +23,52 @@
 
 namespace envmap::prefiltering {
 
-/// An output direction in the frame of a face: (right, up, forward) of a cube's, (image column 0, a quarter on,
-/// pole) of a latlong map.
+/// An output direction in the frame of a face: (right, up, forward) of a cube face, (column 0, a quarter turn on, pole)
+/// of a latlong map.
 struct FaceDirection {
   double x, y, z;
   double longitude = 0;  ///< Latlong: of the direction, in [-pi, pi].
 };
 
-/// What the bounds of a cell need of its place on the face. The same for every direction.
+/// The part of a cell's geometry that is the same for every output direction.
 struct CellShape {
   double near = 1, far = 1;  ///< Largest and least 1 / r.
   double solid_angle = 0;
-  std::array<double, 3> mean{};  ///< Mean direction of even light; latlong: level, 0 and height.
+  std::array<double, 3> mean{};  ///< Mean direction; latlong: sine of the polar angle, 0 and height.
   double centre = 0, half = 0;   ///< Latlong: y of the middle, half the extent.
-  /// Area / (r^4 solid_angle) by the r of the middle, and the largest part by which r^-4 differs.
-  double weight1 = 0, uneven1 = 0;
-  double weight2 = 0, uneven2 = 0;  ///< The same of r^-5.
-  bool polar = false;               ///< centre and half are of cos(polar angle), `far` is the largest sine.
+  /// Area / (r^4 solid_angle) by the r of the middle, and the largest relative difference of r^-4.
+  double weight1 = 0, variation1 = 0;
+  double weight2 = 0, variation2 = 0;  ///< Like weight1 and variation1, for r^-5.
+  bool polar = false;  ///< The row touches a pole: centre and half are of cos(polar angle), far is a sine.
 };
 
-/// L over one cell: within middle +- (across + down), beside a plane by `bend` at most. `even`:
-/// mean of t over the cell.
+/// L over one cell: a plane with values middle +- (across + down), but for `bend` at most. `uniform`: the mean of t
+/// over the cell.
 struct CellView {
-  double middle, across, down, bend, even;
+  double middle, across, down, bend, uniform;
 };
 
 /// x^4 or x^5.
 inline double power(double x, int n) { return n == 4 ? x * x * x * x : x * x * x * x * x; }
-/// The largest part by which a power of 1 / r differs. @param near, far the largest and least 1 / r, over the middle's.
-inline double uneven(double near, double far, int n) { return std::max(power(near, n) - 1, 1 - power(far, n)); }
+/// The largest relative difference of a power of 1 / r. @param near,far the largest and least 1 / r, over the middle's.
+inline double variation(double near, double far, int n) { return std::max(power(near, n) - 1, 1 - power(far, n)); }
 
-/// Columns that the horizon leaves wholly above, [first, last), and those that it may cut on either side, [cut, first)
-/// and [last, end). On latlong maps they may run on beyond the last column, once.
+/// Columns of a row that are wholly above the horizon, [first, last), and columns that it may cut, [cut, first) and
+/// [last, end). On latlong maps numbers from `count` on wrap to the first columns.
 struct RowSpan {
   int cut, first, last, end;
 };
 
-/// A piece of a texel, down to which sums are refined: integrals over it, and L as in CellView.
+/// A texel or a part of one, the finest cells of all: integrals over it, and L as in CellView.
 struct PartView {
   double solid_angle, first, second, third;  ///< Integrals of 1, t, t^2 and t^3.
   double middle, across, down, bend;
-  /// Area / r^4 and / r^5 by the r of the middle, and how uneven those are.
-  double weight1, uneven1, weight2, uneven2;
-  bool polar;  ///< middle, across, down are of t.
+  /// Area / r^4 and / r^5 by the r of the middle, and the variation of these powers.
+  double weight1, variation1, weight2, variation2;
+  bool polar;  ///< middle, across, down are of t in the place of L.
 };
 
-/// A part of a texel divided: in four, but at a pole of a latlong map in one that touches it and two that do not.
+/// A divided part of a texel: four parts, but three at the pole of a latlong map, of which one touches the pole.
 template <class Part>
 struct Division {
   std::array<Part, 4> parts;
@@ -86,11 +86,11 @@ struct CellEdges {
 };
 
 /// Numbers of moments up to an order: 1, x, y, z, xx, yy, zz, xy, xz, yz, xxx, xxy, xxz, xyy, xyz, yyy, yyz.
-inline constexpr std::array<std::size_t, 4> hinge_moments{1, 4, 10, 17};
+inline constexpr std::array<std::size_t, 4> moment_counts{1, 4, 10, 17};
 
 /// Light of a block of texels: moments of three channels, and the least radiance.
-struct HingeBlock {
-  std::array<std::array<double, 3>, hinge_moments.back()> moments{};
+struct BlockMoments {
+  std::array<std::array<double, 3>, moment_counts.back()> moments{};
   Colour least{std::numeric_limits<float>::max()};
 };
 
@@ -104,13 +104,13 @@ class LatlongGrid {
     const LatlongGrid* grid;
     // Integrals of sin(polar angle) times 1, cos, sin, ...
     double o = 0, c = 0, s = 0, cc = 0, cs = 0, ss = 0, ssc = 0, sss = 0;
-    void add(std::span<const Colour> texels, int first, int order, HingeBlock& block) const;
+    void add(std::span<const Colour> texels, int first, int order, BlockMoments& block) const;
   };
   [[nodiscard]] Row row(int row, int order) const;
 
   struct Column {
-    double cosine, sine;                     // Of the middle.
-    double level, steep, bend, twist, mean;  // By how much cos and sin shrink over the column.
+    double cosine, sine;                     // Of the longitude of the middle.
+    double level, steep, bend, twist, mean;  // Means and ranges of cos and sin over the column, see cells().
     double width;
   };
   struct Cells {
@@ -132,9 +132,9 @@ class LatlongGrid {
 
   struct Part {
     const LatlongGrid* grid;
-    double sine, cosine;  // Of the polar angle of the middle.
+    double sine, cosine;  // Of the polar angle in the middle.
     double level, turn;   // |n_xy| cos and sin of the longitude from n.
-    int down, across;     // How often it was halved.
+    int down, across;     // Number of halvings each way.
     int pole;             // 1 or -1 where the part touches one.
     [[nodiscard]] PartView view(const FaceDirection& n) const;
     [[nodiscard]] Division<Part> divided() const;
@@ -143,8 +143,8 @@ class LatlongGrid {
 
  private:
   struct Halving {
-    double sine_down, cosine_down, sine_across, cosine_across;  // Of half the extent of a part.
-    double sine_node, cosine_node;                              // Of a Gauss point of three.
+    double sine_down, cosine_down, sine_across, cosine_across;  // Of half the height and width of a part.
+    double sine_node, cosine_node;                              // Of a Gauss point's distance from the middle.
     double across;
   };
   int width_, height_;
@@ -163,8 +163,8 @@ class CubeGrid {
     return {glm::dot(n, a.right), glm::dot(n, a.up), glm::dot(n, a.forward)};
   }
   struct Row {
-    std::vector<std::array<double, hinge_moments.back()>> moments;
-    void add(std::span<const Colour> texels, int first, int order, HingeBlock& block) const;
+    std::vector<std::array<double, moment_counts.back()>> moments;
+    void add(std::span<const Colour> texels, int first, int order, BlockMoments& block) const;
   };
   [[nodiscard]] Row row(int row, int order) const;
 
@@ -214,7 +214,7 @@ inline CellView LatlongGrid::Cells::view(const FaceDirection& n, int row, int co
   const Column& c = columns[std::size_t(column)];
   const double level = n.x * c.cosine + n.y * c.sine, turn = n.x * c.sine - n.y * c.cosine;
   CellView view{};
-  view.even = n.z * s.mean[2] + level * c.mean * s.mean[0];
+  view.uniform = n.z * s.mean[2] + level * c.mean * s.mean[0];
   if (s.polar) {
     set_polar(view, n.z, s.centre, s.half, level, turn, c.steep, 1 - 2 * c.bend, s.far);
     return view;

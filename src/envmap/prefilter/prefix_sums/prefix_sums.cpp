@@ -1,3 +1,5 @@
+// One sum: cells above the horizon by prefix sums, cut cells by upper and lower limits, and division of the cells with
+// the largest gaps until the bound is small enough. docs/explanation/prefilter-horizon.md proves the bound.
 #include "envmap/prefilter/prefix_sums/prefix_sums.h"
 
 #include <algorithm>
@@ -16,21 +18,21 @@ namespace {
 
 Flux flux_of(const float (&lanes)[4]) { return {lanes[0], lanes[1], lanes[2]}; }
 
-// Terms added up.
+// A sum and its bound.
 struct Total {
-  Flux sum{0}, off{0};
+  Flux sum{0}, error{0};
 
-  void add(const HingeTerm& t) { sum += flux_of(t.middle), off += flux_of(t.off); }
+  void add(const CellTerm& t) { sum += flux_of(t.middle), error += flux_of(t.error); }
 };
 
-bool within(const Flux& off, const Flux& most) { return !glm::any(glm::greaterThan(off, most)); }
+bool within(const Flux& error, const Flux& most) { return !glm::any(glm::greaterThan(error, most)); }
 
-// Part of a flux that Gauss points, sums in double and the borders of cells may be off by.
+// Error of Gauss points, of sums in double and of the borders of cells, as a part of a flux.
 constexpr double numerical = 1e-11;
 
-// Means over a rectangle of a plane, by differences over its corners.
+// Means over a rectangle of |p|, p^2 and p |p| of a plane p, by differences over the corners.
 struct Plane {
-  double size, square, signed_square;  // Of |p|, p^2 and p |p|.
+  double size, square, signed_square;
   Plane(double middle, double across, double down) {
     const double least = 1e-4 * std::max(across, down) + 1e-300;
     const double a = std::max(across, least), b = std::max(down, least);
@@ -45,14 +47,14 @@ struct Plane {
   }
 };
 
-// What a part of a texel of radiance 1 adds, and how far that may be off.
+// The integral of the weight over a part of a texel, and the bound of its error.
 struct PartTerm {
-  double sum, off;
+  double sum, error;
 };
-PartTerm whole_part(const PartView& v, const HingePolynomial& weight) {
+PartTerm whole_part(const PartView& v, const ClampedCosinePolynomial& weight) {
   return {weight.factors[0] * v.first + weight.factors[1] * v.second + weight.factors[2] * v.third, 0};
 }
-PartTerm cut_part(const PartView& v, double extent, const HingePolynomial& weight) {
+PartTerm cut_part(const PartView& v, double extent, const ClampedCosinePolynomial& weight) {
   const double top = v.middle + extent;
   if (v.polar) {  // Between Jensen's inequality and the chord.
     const double bottom = v.middle - extent, jensen = std::max(0.0, v.first);
@@ -63,18 +65,19 @@ PartTerm cut_part(const PartView& v, double extent, const HingePolynomial& weigh
   const Plane plane(v.middle, v.across, v.down);
   const double bend = v.bend + 1e-8 * std::max(v.across, v.down);
   const double first = 0.5 * (v.first + v.weight1 * plane.size),
-               off1 = 0.5 * v.weight1 * (v.uneven1 * plane.size + (1 + v.uneven1) * bend);
+               error1 = 0.5 * v.weight1 * (v.variation1 * plane.size + (1 + v.variation1) * bend);
   const double second = 0.5 * (v.second + v.weight2 * plane.signed_square),
-               off2 = 0.5 * v.weight2 *
-                      (v.uneven2 * plane.square + (1 + v.uneven2) * bend * 2 * (std::abs(v.middle) + extent));
-  const double third = 0.5 * weight.factors[2] * top * (second + off2);  // From 0 to twice that.
+               error2 = 0.5 * v.weight2 *
+                        (v.variation2 * plane.square + (1 + v.variation2) * bend * 2 * (std::abs(v.middle) + extent));
+  const double third = 0.5 * weight.factors[2] * top * (second + error2);  // The middle of 0 and the most.
   return {weight.factors[0] * first + weight.factors[1] * second + third,
-          weight.factors[0] * off1 + weight.factors[1] * off2 + third};
+          weight.factors[0] * error1 + weight.factors[1] * error2 + third};
 }
 
-// The weight of a direction as factors of the moments x, y, z, xx, yy, zz, xy, xz, yz, xxx, xxy, xxz, xyy, xyz, yyy,
-// yyz. xzz = x - xxx - xyy and so on give the rest.
-std::array<double, hinge_moments.back() - 1> moment_factors(const HingePolynomial& weight, const FaceDirection& n) {
+// The integral of the weight as a sum of factor x moment, over the moments x, y, z, xx, yy, zz, xy, xz, yz, xxx, xxy,
+// xxz, xyy, xyz, yyy, yyz. The other three follow from x^2 + y^2 + z^2 = 1: xzz = x - xxx - xyy, and so on.
+std::array<double, moment_counts.back() - 1> moment_factors(const ClampedCosinePolynomial& weight,
+                                                            const FaceDirection& n) {
   const auto [a, b, c] = weight.factors;
   const double x = n.x, y = n.y, z = n.z, zz = 3 * c * z * z;
   return {x * (a + zz),
@@ -95,29 +98,29 @@ std::array<double, hinge_moments.back() - 1> moment_factors(const HingePolynomia
           z * c * (3 * y * y - z * z)};
 }
 
-// One direction's sum in the making.
+// Sums one direction after the other.
 template <class Grid>
-class Summation {
+class HorizonSummation {
  public:
-  Summation(const HingeSource<Grid>& source, const HingePolynomial& weight, double error)
+  HorizonSummation(const PrefixSumSource<Grid>& source, const ClampedCosinePolynomial& weight, double error)
       : source_(source), weight_(weight), error_(error) {}
 
   // @param beside in units of the mean.
-  HingeSum over(const Direction& n, const Flux& beside) {
+  PrefixSum over(const Direction& n, const Flux& beside) {
     beside_ = beside;
     start_ = start();
     for (int face = 0; face < Grid::faces; ++face) seen_[std::size_t(face)] = Grid::seen(face, n);
-    settled_ = {}, terms_.clear();
-    settled_.sum = weight_.integral() * Flux(source_.darkest());
-    settled_.off = Flux(numerical * most_flux * weight_.slope(1));
+    accepted_ = {}, terms_.clear();
+    accepted_.sum = weight_.integral() * Flux(source_.min_radiance());
+    accepted_.error = Flux(numerical * most_flux * weight_.slope(1));
     for (int face = 0; face < Grid::faces; ++face) add_face(face);
     refine();
-    return {settled_.sum, settled_.off};
+    return {accepted_.sum, accepted_.error};
   }
 
  private:
-  // The coarsest cells whose gaps in an even map are small enough: along the horizon they have 2 pi x their side of
-  // solid angle, and are off by a sixteenth of their side on average.
+  // The coarsest cells whose gaps are small enough under uniform light. Along the horizon the cells have a solid angle
+  // of 2 pi x their side, and their mean gap is a sixteenth of their side.
   [[nodiscard]] std::size_t start() const {
     const double most = error_ * std::max(std::min({beside_.x, beside_.y, beside_.z}), floor_of_mean);
     for (std::size_t level = source_.levels().size(); --level > source_.base();) {
@@ -127,7 +130,7 @@ class Summation {
     return source_.base();
   }
 
-  // Rows of cells: what is wholly above by prefix sums, and terms of what is cut.
+  // Adds the rows of cells of a face: cells wholly above the horizon by prefix sums, cut cells as terms.
   void add_face(int face) {
     const auto& cells = source_.levels()[start_];
     const auto& grid = cells.grid;
@@ -145,53 +148,55 @@ class Summation {
       };
       add(span.cut, std::min(span.first, span.end)), add(span.last, span.end);
     }
-    typename HingeSource<Grid>::Sums sums{};
+    typename PrefixSumSource<Grid>::Sums sums{};
     for (int row = 0; row < grid.down.count(); ++row)
       if (const RowSpan& span = spans_[std::size_t(row)]; span.last > span.first)
         source_.add(start_, face, row, span.first, span.last, sums);
-    count(Work::hinge_rows, spans_.size());
-    count(Work::hinge_cells, batch_.count());
+    count(Work::horizon_rows, spans_.size());
+    count(Work::horizon_cells, batch_.count());
     bound_cells(n, weight_, batch_, terms_);
     const auto factors = moment_factors(weight_, n);
-    const std::size_t moments = hinge_moments[std::size_t(source_.order())] - 1;
+    const std::size_t moments = moment_counts[std::size_t(source_.order())] - 1;
     for (std::size_t m = 0; m < moments; ++m)
-      for (std::size_t c = 0; c < 3; ++c) settled_.sum[c] += factors[m] * sums[3 * m + c];
+      for (std::size_t c = 0; c < 3; ++c) accepted_.sum[c] += factors[m] * sums[3 * m + c];
   }
 
-  void add_cell(const typename HingeSource<Grid>::Cells& cells, const FaceDirection& n, int face, int row, int column) {
-    const HingeCell& cell = cells.cell(face, row, column);
+  void add_cell(const typename PrefixSumSource<Grid>::Cells& cells, const FaceDirection& n, int face, int row,
+                int column) {
+    const CellLight& cell = cells.cell(face, row, column);
     __builtin_prefetch(&cell);
     batch_.add(cells.grid.view(n, row, column), cells.grid.shape(row, column), cells.grid.solid_angle(row, column),
                {&cell, face, row, column});
   }
 
-  // What each channel may be off by.
+  // The error that each channel may have.
   [[nodiscard]] Flux allowed(const Total& now) const {
-    return error_ * glm::max(now.sum - now.off + beside_, floor_of_mean);
+    return error_ * glm::max(now.sum - now.error + beside_, floor_of_mean);
   }
 
-  // Divides the terms that are off by most, level by level, until all together are good enough.
+  // Divides the terms of the largest errors, level by level, until the sum of all errors is small enough.
   void refine() {
     double share = 0.5;
     for (std::size_t level = start_ + 1; level-- > 0; share *= 0.5) {
-      Total now = settled_;
-      for (const HingeTerm& t : terms_) now.add(t);
+      Total now = accepted_;
+      for (const CellTerm& t : terms_) now.add(t);
       const Flux most = allowed(now);
-      if (within(now.off, most)) break;
+      if (within(now.error, most)) break;
       divide(level, now, most, share / double(std::max<std::size_t>(1, terms_.size())));
     }
-    for (const HingeTerm& t : terms_) settled_.add(t);
+    for (const CellTerm& t : terms_) accepted_.add(t);
     terms_.clear();
   }
 
-  // @param now the sum of all, to stop as soon as that is good enough. @param share of what is allowed, of one term.
+  // @param now the sum of all terms: division ends once its error is small enough. @param share of the allowed error
+  // that one term may have.
   void divide(std::size_t level, Total now, const Flux& most, double share) {
     next_.clear();
     bool enough = false;
-    for (const HingeTerm& t : terms_) {
-      enough = enough || within(now.off, 0.99 * most);
-      if (enough || within(flux_of(t.off), share * most)) {
-        settled_.add(t);
+    for (const CellTerm& t : terms_) {
+      enough = enough || within(now.error, 0.99 * most);
+      if (enough || within(flux_of(t.error), share * most)) {
+        accepted_.add(t);
         continue;
       }
       const std::size_t first = next_.size();
@@ -199,13 +204,13 @@ class Summation {
         add_quarters(level - 1, t);
       else
         add_texels(t, most, 0.02 * share);
-      now.off -= flux_of(t.off);
+      now.error -= flux_of(t.error);
       for (std::size_t k = first; k < next_.size(); ++k) now.add(next_[k]);
     }
     std::swap(terms_, next_);
   }
 
-  void add_quarters(std::size_t level, const HingeTerm& t) {
+  void add_quarters(std::size_t level, const CellTerm& t) {
     const auto& cells = source_.levels()[level];
     const auto& grid = cells.grid;
     const FaceDirection& n = seen_[std::size_t(t.face)];
@@ -213,11 +218,11 @@ class Summation {
     for (int row = 2 * t.row; row < std::min(2 * t.row + 2, grid.down.count()); ++row)
       for (int column = 2 * t.column; column < std::min(2 * t.column + 2, grid.across.count()); ++column)
         add_cell(cells, n, t.face, row, column);
-    count(Work::hinge_cells, batch_.count());
+    count(Work::horizon_cells, batch_.count());
     bound_cells(n, weight_, batch_, next_);
   }
 
-  void add_texels(const HingeTerm& t, const Flux& most, double share) {
+  void add_texels(const CellTerm& t, const Flux& most, double share) {
     const auto& grid = source_.levels().front().grid;
     const FaceDirection& n = seen_[std::size_t(t.face)];
     for (int row = grid.down.first(t.row); row < grid.down.end(t.row); ++row)
@@ -234,104 +239,115 @@ class Summation {
     const double extent = v.across + v.down + v.bend;
     if (v.middle <= -extent) return;
     const bool cut = v.middle < extent;
-    count(Work::hinge_parts, 1);
+    count(Work::horizon_parts, 1);
     const PartTerm term = cut ? cut_part(v, extent, weight_) : whole_part(v, weight_);
     constexpr int deepest = 12;
-    if (depth < deepest && !within(term.off * radiance, share * most)) {
+    if (depth < deepest && !within(term.error * radiance, share * most)) {
       const Division<Part> smaller = part.divided();
       for (std::size_t k = 0; k < smaller.count; ++k) add_part(smaller.parts[k], n, radiance, most, share, depth + 1);
       return;
     }
     const double rounding_of_part = numerical * v.solid_angle * weight_.slope(1);
-    settled_.sum += term.sum * radiance, settled_.off += (term.off + rounding_of_part) * radiance;
+    accepted_.sum += term.sum * radiance, accepted_.error += (term.error + rounding_of_part) * radiance;
   }
 
-  const HingeSource<Grid>& source_;
-  HingePolynomial weight_;
+  const PrefixSumSource<Grid>& source_;
+  ClampedCosinePolynomial weight_;
   double error_;
   Flux beside_{0};
-  std::size_t start_ = 0;  // Level of the cells that sums start from.
+  std::size_t start_ = 0;  // The level of cells that the sum starts from.
   std::array<FaceDirection, Grid::faces> seen_;
-  Total settled_;
-  HingeBatch batch_;
-  std::vector<HingeTerm> terms_, next_;
+  Total accepted_;
+  CellBatch batch_;
+  std::vector<CellTerm> terms_, next_;
   std::vector<double> angles_;
   std::vector<RowSpan> spans_;
 };
 
 template <class Grid>
-void sum_all(const HingeSource<Grid>& source, const HingePolynomial& weight, std::span<const Direction> directions,
-             double error, double mean, std::span<const Flux> beside, std::span<HingeSum> out) {
-  Summation<Grid> summation(source, weight, error);
+void sum_all(const PrefixSumSource<Grid>& source, const ClampedCosinePolynomial& weight,
+             std::span<const Direction> directions, double error, double mean, std::span<const Flux> beside,
+             std::span<PrefixSum> out) {
+  HorizonSummation<Grid> summation(source, weight, error);
   for (std::size_t k = 0; k < directions.size(); ++k) {
-    const HingeSum sum = summation.over(directions[k], beside.empty() ? Flux(0) : beside[k] / mean);
+    const PrefixSum sum = summation.over(directions[k], beside.empty() ? Flux(0) : beside[k] / mean);
     out[k] = {mean * sum.value, mean * sum.bound};
     source.trim();
   }
 }
 
-// Rows of cells from pole to pole that sums start from, at least and at most.
+// The least and the largest number of rows of cells, from pole to pole, that sums start from.
 constexpr int fewest_rows = 8;
 int base_rows(double error) { return error < 3e-4 ? 128 : 64; }
 
-constexpr double rounding = 0x1p-24;  // Of a float.
+constexpr double rounding = 0x1p-24;  // Relative rounding of a float.
 
-// Of one texel. @return its bound.
-float set_texel(const HingeSum& sum, double floor, Colour& out) {
+// Sets one texel. @return its bound.
+float set_texel(const PrefixSum& sum, double floor, Colour& out) {
   if (const Flux s = sum.value + sum.bound; !std::isfinite(s.x + s.y + s.z))
-    return std::numeric_limits<float>::infinity();  // The texel is summed exactly.
+    return std::numeric_limits<float>::infinity();  // prefilter.cpp sums the texel exactly.
   double largest = 0;
   for (int c = 0; c < 3; ++c) {
     largest = std::max(largest, sum.bound[c] / std::max(sum.value[c] - sum.bound[c], floor));
     out[c] = float(std::max(0.0, sum.value[c]));
   }
-  return std::nextafter(float(largest + 2 * rounding), 1.F);  // Of the texels less the darkest, and of the result.
+  // Two roundings: of the source less its least radiance, and of the result.
+  return std::nextafter(float(largest + 2 * rounding), 1.F);
 }
 
 }  // namespace
 
-struct Hinges::Prepared {
-  std::variant<HingeSource<LatlongGrid>, HingeSource<CubeGrid>> source;
+struct PrefixSums::Prepared {
+  std::variant<PrefixSumSource<LatlongGrid>, PrefixSumSource<CubeGrid>> source;
   double mean;
   int order, rows;
 };
 
-Hinges::Hinges(const Level& source, double mean, const Colour& darkest, int order, double error) {
+PrefixSums::PrefixSums(const Level& source, double mean, const Colour& min_radiance, int order, double error) {
   const int rows = base_rows(error);
   if (source.projection() == Projection::latlong)
     prepared_ = std::make_unique<Prepared>(
-        Prepared{HingeSource<LatlongGrid>(source, mean, darkest, rows, fewest_rows, order), mean, order, rows});
+        Prepared{PrefixSumSource<LatlongGrid>(source, mean, min_radiance, rows, fewest_rows, order), mean, order,
+                 rows});
   else
     prepared_ = std::make_unique<Prepared>(
-        Prepared{HingeSource<CubeGrid>(source, mean, darkest, rows / 2, fewest_rows / 2, order), mean, order, rows});
+        Prepared{PrefixSumSource<CubeGrid>(source, mean, min_radiance, rows / 2, fewest_rows / 2, order), mean, order,
+                 rows});
 }
-Hinges::~Hinges() = default;
+PrefixSums::~PrefixSums() = default;
 
-bool Hinges::fits(int order, double error) const {
+bool PrefixSums::fits(int order, double error) const {
   return prepared_->order >= order && prepared_->rows == base_rows(error);
 }
 
-void Hinges::sums(const HingePolynomial& weight, std::span<const Direction> directions, double error,
-                  std::span<const Flux> beside, std::span<HingeSum> out) const {
+void PrefixSums::sums(const ClampedCosinePolynomial& weight, std::span<const Direction> directions, double error,
+                      std::span<const Flux> beside, std::span<PrefixSum> out) const {
   std::visit([&](const auto& source) { sum_all(source, weight, directions, error, prepared_->mean, beside, out); },
              prepared_->source);
 }
 
-std::optional<HingePolynomial> hinge_polynomial(const Lobe& lobe) {
-  if (const auto* cosine = std::get_if<Cosine>(&lobe)) return HingePolynomial{{cosine->value(0), 0, 0}};
-  if (const auto* ggx = std::get_if<Ggx>(&lobe); ggx && ggx->b == 0) return HingePolynomial{{ggx->value(0), 0, 0}};
+std::optional<ClampedCosinePolynomial> clamped_cosine_polynomial(const Lobe& lobe) {
+  if (const auto* cosine = std::get_if<Cosine>(&lobe)) return ClampedCosinePolynomial{{cosine->value(0), 0, 0}};
+  if (const auto* ggx = std::get_if<Ggx>(&lobe); ggx && ggx->b == 0)
+    return ClampedCosinePolynomial{{ggx->value(0), 0, 0}};
   if (const auto* phong = std::get_if<Phong>(&lobe)) {
-    if (phong->exponent == 2) return HingePolynomial{{0, phong->scale(), 0}};
-    if (phong->exponent == 3) return HingePolynomial{{0, 0, phong->scale()}};
+    if (phong->exponent == 2) return ClampedCosinePolynomial{{0, phong->scale(), 0}};
+    if (phong->exponent == 3) return ClampedCosinePolynomial{{0, 0, phong->scale()}};
   }
   return std::nullopt;
 }
 
-void hinge_map(const Hinges& hinges, const HingePolynomial& weight, double max_error, double mean, const Making& map) {
+ClampedCosinePolynomial blinn_horizon_terms(const BlinnPhong& l) {
+  const double first = l.kink(), second = l.power * first, third = 0.5 * (l.power - 1) * second;
+  return {{first, second, std::max(0.0, third)}};
+}
+
+void prefix_sums_map(const PrefixSums& prefix_sums, const ClampedCosinePolynomial& weight, double max_error,
+                     double mean, const TargetTexels& map) {
   const double error = max_error - 3 * rounding;
   map.each_row([&](std::span<const Direction> directions, std::span<Colour> texels, std::span<float> bounds) {
-    std::vector<HingeSum> sums(directions.size());
-    hinges.sums(weight, directions, error, {}, sums);
+    std::vector<PrefixSum> sums(directions.size());
+    prefix_sums.sums(weight, directions, error, {}, sums);
     for (std::size_t k = 0; k < sums.size(); ++k) bounds[k] = set_texel(sums[k], floor_of_mean * mean, texels[k]);
   });
 }

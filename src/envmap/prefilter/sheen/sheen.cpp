@@ -28,15 +28,15 @@ HWY_BEFORE_NAMESPACE();
 namespace envmap::prefiltering {
 namespace HWY_NAMESPACE {
 
-// One direction's sum in the making.
+// Sums one direction after the other.
 template <class Place>
-class Summation {
+class SheenSummation {
  public:
-  Summation(const SheenPlan& plan, const SheenBlocks& blocks)
+  SheenSummation(const SheenPlan& plan, const SheenBlocks& blocks)
       : plan_(plan), blocks_(blocks), place_(blocks, plan), side_(blocks.layers().front().side) {}
 
   SheenSum over(const Direction& n) {
-    total_ = {}, off_ = Flux(0), doubtful_.clear();
+    total_ = {}, error_ = Flux(0), uncertain_.clear();
     const std::size_t top = blocks_.layers().size() - 1;
     const SheenBlocks::Layer& layer = blocks_.layers()[top];
     for (int face = 0; face < blocks_.faces(); ++face) {
@@ -44,23 +44,23 @@ class Summation {
       for (int row = 0; row < layer.down; ++row)
         for (int column = 0; column < layer.across; ++column) add_block(top, in_face, face, row, column);
     }
-    SheenSum sum{blocks_.even() + total_.flux(), 0};
-    if (off_of(sum.value) > plan_.cut) refine(sum.value);
-    sum.off = std::isfinite(sum.value.x + sum.value.y + sum.value.z) ? off_of(sum.value)
-                                                                     : std::numeric_limits<double>::infinity();
+    SheenSum sum{blocks_.min_radiance() + total_.flux(), 0};
+    if (relative_error(sum.value) > plan_.cut) refine(sum.value);
+    sum.error = std::isfinite(sum.value.x + sum.value.y + sum.value.z) ? relative_error(sum.value)
+                                                                       : std::numeric_limits<double>::infinity();
     return sum;
   }
 
  private:
-  struct DoubtfulBlock {
+  struct UncertainBlock {
     Direction seen;
     int row, column;
     std::size_t block;
   };
 
-  [[nodiscard]] double off_of(const Flux& value) const {
+  [[nodiscard]] double relative_error(const Flux& value) const {
     double most = 0;
-    for (int c = 0; c < 3; ++c) most = std::max(most, off_[c] / std::max(floor_of_mean, value[c]));
+    for (int c = 0; c < 3; ++c) most = std::max(most, error_[c] / std::max(floor_of_mean, value[c]));
     return most;
   }
 
@@ -82,96 +82,96 @@ class Summation {
 
   void add_points(const Direction& seen, double t, const SheenBlocks::Shape& shape, const SheenBlocks::Points& light) {
     const D d;
-    const V x = hn::Set(d, float(seen.x)), y = hn::Set(d, float(seen.y)), z = hn::Set(d, float(seen.z)),
-            middle = hn::Set(d, float(t)), scale = hn::Set(d, float(plan_.scale));
+    const V x = broadcast(d, seen.x), y = broadcast(d, seen.y), z = broadcast(d, seen.z), middle = broadcast(d, t),
+            scale = broadcast(d, plan_.scale);
     Sums sum;
     count(Work::sheen, std::size_t(SheenBlocks::points));
     for (std::size_t k = 0; k < std::size_t(SheenBlocks::points); k += virtual_lanes)
       for (std::size_t part = 0; part < parts; ++part) {
         const std::size_t at = k + part * lanes;
-        const V off = hn::Add(hn::Mul(x, hn::Load(d, shape.offset[0] + at)),
-                              hn::Add(hn::Mul(y, hn::Load(d, shape.offset[1] + at)),
-                                      hn::Mul(z, hn::Load(d, shape.offset[2] + at))));
-        const V cosine = hn::Add(middle, off);
-        const V value = hn::Mul(hn::Mul(scale, cosine), sheen_power(d, plan_.power, cosine));
+        const V offset = x * hn::Load(d, shape.offset[0] + at) +
+                         (y * hn::Load(d, shape.offset[1] + at) + z * hn::Load(d, shape.offset[2] + at));
+        const V cosine = middle + offset;
+        const V value = scale * cosine * sheen_power(d, plan_.power, cosine);
         sum.add(part, value, light.light[0] + at, SheenBlocks::points);
       }
     total_.add(sum);
   }
 
-  // The cells of the texels of a block.
+  // Adds the texels of a block that the horizon cuts, or that its points do not serve.
   void add_texels(const Direction& seen, int row, int column, std::size_t block) {
     const D d;
     const auto stride = std::size_t(side_);
-    Sums sum, off;
-    bool doubtful = false;
+    Sums sum, error;
+    bool uncertain = false;
     count(Work::sheen, stride * stride);
     for (int j = 0; j < side_; ++j)
       for (int i = 0; i < side_; i += int(virtual_lanes)) {
         const auto texels = place_.texels(seen, row, column, j, i);
         for (std::size_t part = 0; part < parts; ++part) {
           const Weights w = weights(texels, part * lanes);
-          doubtful = doubtful || !hn::AllFalse(d, w.doubtful);
+          uncertain = uncertain || !hn::AllFalse(d, w.uncertain);
           const float* light = blocks_.texels(block, j, 0) + std::size_t(i) + part * lanes;
-          sum.add(part, w.sum, light, stride), off.add(part, w.off, light, stride);
+          sum.add(part, w.sum, light, stride), error.add(part, w.error, light, stride);
         }
       }
     total_.add(sum);
-    if (!doubtful) return;
-    off_ += off.whole();
-    doubtful_.push_back({seen, row, column, block});
+    if (!uncertain) return;
+    error_ += error.whole();
+    uncertain_.push_back({seen, row, column, block});
   }
 
-  // What texels of radiance 1 add, what that may be off by, and whether they have cells that are doubtful.
+  // The integral of the lobe over texels, an estimate of its error, and the texels whose error counts.
   struct Weights {
-    V sum, off;
-    hn::Mask<D> doubtful;
+    V sum, error;
+    hn::Mask<D> uncertain;
   };
   template <class Texels>
   HWY_INLINE Weights weights(const Texels& texels, std::size_t lane) const {
     const D d;
-    const V zero = hn::Zero(d);
+    const V zero = hn::Zero(d), scale = broadcast(d, plan_.scale);
     Weights w{zero, zero, hn::Lt(zero, zero)};
     const Cell<V> all = texels.texel(lane);
-    const V wide = hn::Add(extent(all), set(d, texels.bend()));
-    // What is done of a lane does not depend on the others, or results would depend on how many a vector has.
-    const auto seen = hn::And(hn::Gt(all.centre, hn::Neg(wide)), hn::Lt(hn::Sub(all.centre, wide), set(d, plan_.end)));
+    const V wide = extent(all) + broadcast(d, texels.bend());
+    // The result of a lane must not depend on other lanes: their number depends on the processor.
+    const auto seen = hn::And(hn::Gt(all.centre, hn::Neg(wide)), hn::Lt(all.centre - wide, broadcast(d, plan_.end)));
     if (hn::AllFalse(d, seen)) return w;
-    const auto whole = hn::And(seen, hn::Ge(all.centre, wide));
+    const auto above = hn::And(seen, hn::Ge(all.centre, wide));
     const bool takes_points = texels.is_polar() || plan_.cells > 1;
-    const auto left = takes_points ? hn::AndNot(whole, seen) : seen;
-    if (takes_points && !hn::AllFalse(d, whole)) w.sum = hn::IfThenElseZero(whole, by_points(texels, lane));
-    for (int r = 0; r < texels.down() && !hn::AllFalse(d, left); ++r)
-      for (int q = 0; q < texels.across(); ++q) {
-        const Cell<V> cell = plan_.cells == 1 ? all : texels.cell(r, q, lane);
-        const V bend = set(d, texels.bend(r)), reach = hn::Add(extent(cell), bend);
-        const auto is_above = hn::And(left, hn::Ge(cell.centre, reach));
-        const auto is_cut = hn::AndNot(is_above, hn::And(left, hn::Gt(cell.centre, hn::Neg(reach))));
-        if (!hn::AllFalse(d, is_above)) {
-          const V above = hn::Mul(cell.area, mean_above(d, plan_.power, cell));
-          w.sum = hn::Add(w.sum, hn::IfThenElseZero(is_above, above));
-        }
-        if (texels.is_polar()) {
-          const V skew = hn::Mul(hn::Mul(reach, reach), hn::Mul(reach, set(d, polar_off * plan_.power * plan_.power)));
-          w.off = hn::Add(w.off, hn::IfThenElseZero(is_above, hn::Mul(cell.area, skew)));
-          w.doubtful = hn::Or(w.doubtful, is_above);
-        }
-        if (hn::AllFalse(d, is_cut)) continue;
-        const V mean = mean_cut(d, plan_.power, cell);
-        const V steep = hn::Mul(set(d, plan_.power), reach), square = hn::Mul(steep, steep);
-        const V off = hn::Add(hn::Mul(reach, set(d, 1e-5)),
-                              hn::Add(hn::Mul(bend, set(d, texels.is_polar() ? 1 : 0.35)),
-                                      hn::Mul(mean, hn::Mul(set(d, series_off), hn::Mul(square, square)))));
-        w.sum = hn::Add(w.sum, hn::IfThenElseZero(is_cut, hn::Mul(cell.area, mean)));
-        w.off = hn::Add(w.off, hn::IfThenElseZero(is_cut, hn::Mul(cell.area, off)));
-        w.doubtful = hn::Or(w.doubtful, is_cut);
-      }
-    const V scale = hn::Set(d, float(plan_.scale));
-    w.sum = hn::Mul(w.sum, scale), w.off = hn::Mul(w.off, scale);
+    if (takes_points && !hn::AllFalse(d, above)) w.sum = hn::IfThenElseZero(above, by_points(texels, lane));
+    const auto by_cells = takes_points ? hn::AndNot(above, seen) : seen;
+    for (int r = 0; r < texels.down() && !hn::AllFalse(d, by_cells); ++r)
+      for (int q = 0; q < texels.across(); ++q)
+        add_cell(texels, r, plan_.cells == 1 ? all : texels.cell(r, q, lane), by_cells, w);
+    w.sum = w.sum * scale, w.error = w.error * scale;
     return w;
   }
 
-  // Of texels above the horizon, by Gauss points.
+  // Adds one cell of each of some texels, in row r of their cells.
+  template <class Texels>
+  HWY_INLINE void add_cell(const Texels& texels, int r, const Cell<V>& cell, hn::Mask<D> some, Weights& w) const {
+    const D d;
+    const V bend = broadcast(d, texels.bend(r)), reach = extent(cell) + bend;
+    const auto is_above = hn::And(some, hn::Ge(cell.centre, reach));
+    const auto is_cut = hn::AndNot(is_above, hn::And(some, hn::Gt(cell.centre, hn::Neg(reach))));
+    if (!hn::AllFalse(d, is_above)) w.sum += hn::IfThenElseZero(is_above, cell.area * mean_above(d, plan_.power, cell));
+    if (texels.is_polar()) {
+      const V skew = reach * reach * (reach * broadcast(d, polar_error * plan_.power * plan_.power));
+      w.error += hn::IfThenElseZero(is_above, cell.area * skew);
+      w.uncertain = hn::Or(w.uncertain, is_above);
+    }
+    if (hn::AllFalse(d, is_cut)) return;
+    const V mean = mean_cut(d, plan_.power, cell);
+    const V steep = broadcast(d, plan_.power) * reach, square = steep * steep;
+    const V of_bend = bend * broadcast(d, texels.is_polar() ? 1 : 0.35);
+    const V of_series = mean * (broadcast(d, series_error) * (square * square));
+    const V error = reach * broadcast(d, 1e-5) + (of_bend + of_series);
+    w.sum += hn::IfThenElseZero(is_cut, cell.area * mean);
+    w.error += hn::IfThenElseZero(is_cut, cell.area * error);
+    w.uncertain = hn::Or(w.uncertain, is_cut);
+  }
+
+  // The integral over texels above the horizon, by Gauss points.
   template <class Texels>
   HWY_INLINE V by_points(const Texels& texels, std::size_t lane) const {
     const D d;
@@ -179,70 +179,73 @@ class Summation {
     for (int r = 0; r < texels.points_down(); ++r)
       for (int q = 0; q < texels.points_across(); ++q) {
         const Point<V> p = texels.point(r, q, lane);
-        sum = hn::Add(sum, hn::Mul(hn::Mul(p.weight, p.cosine), sheen_power(d, plan_.power, p.cosine)));
+        sum += p.weight * p.cosine * sheen_power(d, plan_.power, p.cosine);
       }
     return sum;
   }
 
-  // Replaces what texels with cut cells add, where that matters.
+  // Divides the texels with cut cells whose errors are too large.
   void refine(Flux& value) {
-    const D d;
-    const double lights = double(doubtful_.size()) * side_;
-    Flux most(0);  // Of a texel.
+    const double lights = double(uncertain_.size()) * side_;
+    Flux most(0);  // The error that one texel may have.
     for (int c = 0; c < 3; ++c) most[c] = 0.5 * plan_.cut * std::max(floor_of_mean, value[c]) / lights;
-    off_ = Flux(0);
-    for (const DoubtfulBlock& b : doubtful_)
+    error_ = Flux(0);
+    for (const UncertainBlock& b : uncertain_)
       for (int j = 0; j < side_; ++j)
         for (int i = 0; i < side_; i += int(virtual_lanes)) {
           const auto texels = place_.texels(b.seen, b.row, b.column, j, i);
-          for (std::size_t part = 0; part < parts; ++part) {
-            const Weights w = weights(texels, part * lanes);
-            float sum[virtual_lanes], off[virtual_lanes];
-            hn::StoreU(w.sum, d, sum), hn::StoreU(w.off, d, off);
-            for (std::size_t k = 0; k < lanes; ++k) {
-              const std::size_t at = std::size_t(i) + part * lanes + k;
-              const Flux light(blocks_.texels(b.block, j, 0)[at], blocks_.texels(b.block, j, 1)[at],
-                               blocks_.texels(b.block, j, 2)[at]);
-              if (!(off[k] > 0) || light == Flux(0)) continue;
-              double allowed = 1e300;
-              for (int c = 0; c < 3; ++c)
-                if (light[c] > 0) allowed = std::min(allowed, most[c] / light[c]);
-              double exact = sum[k], left = off[k];
-              if (left > allowed)
-                exact = left = 0, divide(texels.whole(int(part * lanes + k)), b.seen, allowed / 16, 0, exact, left);
-              value += (exact - double(sum[k])) * light, off_ += left * light;
-            }
-          }
+          for (std::size_t part = 0; part < parts; ++part)
+            refine_texels(texels, part * lanes, b, j, std::size_t(i) + part * lanes, most, value);
         }
   }
+  // A vector of texels from `lane` on, which are texels `first` and so on of row j of their block.
+  template <class Texels>
+  void refine_texels(const Texels& texels, std::size_t lane, const UncertainBlock& b, int j, std::size_t first,
+                     const Flux& most, Flux& value) {
+    const Weights w = weights(texels, lane);
+    float sum[virtual_lanes], error[virtual_lanes];
+    hn::StoreU(w.sum, D(), sum), hn::StoreU(w.error, D(), error);
+    for (std::size_t k = 0; k < lanes; ++k) {
+      Flux light;
+      for (int c = 0; c < 3; ++c) light[c] = double(blocks_.texels(b.block, j, c)[first + k]);
+      if (!(error[k] > 0) || light == Flux(0)) continue;
+      double allowed = 1e300;
+      for (int c = 0; c < 3; ++c)
+        if (light[c] > 0) allowed = std::min(allowed, most[c] / light[c]);
+      double refined = sum[k], left = error[k];
+      if (left > allowed)
+        refined = left = 0, divide(texels.whole(int(lane + k)), b.seen, allowed / 16, 0, refined, left);
+      value += (refined - double(sum[k])) * light, error_ += left * light;
+    }
+  }
 
-  // A texel, or part of one, in double.
+  // Adds a texel or a part of one in double, divided until its error is allowed.
   void divide(const typename Place::Part& part, const Direction& seen, double allowed, int depth, double& sum,
-              double& off) const {
-    const One d;
+              double& bound) const {
+    const ScalarTag d;
     const auto cell = part.cell(seen);
     const double reach = hn::GetLane(extent(cell)), centre = hn::GetLane(cell.centre),
                  area = hn::GetLane(cell.area) * plan_.scale, steep = plan_.power * reach, bend = part.bend();
     if (centre <= -reach - bend) return;
     const bool above = centre >= reach + bend;
     const double mean = hn::GetLane(above ? mean_above(d, plan_.power, cell) : mean_cut(d, plan_.power, cell));
-    const double skew = part.is_polar() ? polar_off * reach * steep * steep : 0;
+    const double skew = part.is_polar() ? polar_error * reach * steep * steep : 0;
     const double error = above ? 0.1 * std::abs(mean) * steep * steep * steep * steep + skew
-                               : 1e-8 * reach + bend + series_off * mean * steep * steep * steep * steep;
+                               : 1e-8 * reach + bend + series_error * mean * steep * steep * steep * steep;
     constexpr int deepest = 14;
     if (area * error <= (above ? 1e-5 : 1) * allowed + 1e-5 * area * mean || depth == deepest) {
-      sum += area * mean, off += area * error;
+      sum += area * mean, bound += area * error;
       return;
     }
-    for (int k = 0; k < 4; ++k) divide(part.quarter(k), seen, allowed, depth + 1, sum, off);
+    for (int k = 0; k < 4; ++k) divide(part.quarter(k), seen, allowed, depth + 1, sum, bound);
   }
 
-  // Light of many blocks, now and then moved from float to double.
+  // The light of many blocks. After every 32 blocks the float sums move to double.
   struct Total {
     Sums sum;
     Flux settled{0};
     int count = 0;
-    Total() {}  // NOLINT: one that the compiler makes lacks the target.
+    Total() {}  // NOLINT: a defaulted constructor lacks the target's attributes.
     void add(const Sums& more) {
       sum.add(more);
       if (++count == 32) settle();
@@ -257,17 +260,17 @@ class Summation {
     }
   };
 
-  static constexpr double series_off = 5e-3;  // Of the fourth order that mean_cut() leaves out, over half an extent.
+  static constexpr double series_error = 5e-3;  // Factor of the fourth order, which mean_cut() leaves out.
 
-  static constexpr double polar_off = 0.012;  // Of the third order of cells that narrow to one side.
+  static constexpr double polar_error = 0.012;  // Factor of the third order of cells that narrow to one side.
 
   const SheenPlan& plan_;
   const SheenBlocks& blocks_;
   const Place place_;
   int side_;
   Total total_;
-  Flux off_{0};
-  std::vector<DoubtfulBlock> doubtful_;
+  Flux error_{0};
+  std::vector<UncertainBlock> uncertain_;
 };
 
 void SumAll(const SheenPlan& plan, const SheenBlocks& blocks, std::span<const Direction> directions,
@@ -276,9 +279,9 @@ void SumAll(const SheenPlan& plan, const SheenBlocks& blocks, std::span<const Di
     for (std::size_t k = 0; k < directions.size(); ++k) out[k] = summation.over(directions[k]);
   };
   if (blocks.is_latlong())
-    go(Summation<OnLatlongCells>(plan, blocks));
+    go(SheenSummation<OnLatlongCells>(plan, blocks));
   else
-    go(Summation<OnCubeCells>(plan, blocks));
+    go(SheenSummation<OnCubeCells>(plan, blocks));
 }
 
 }  // namespace HWY_NAMESPACE
@@ -289,8 +292,8 @@ HWY_AFTER_NAMESPACE();
 namespace envmap::prefiltering {
 HWY_EXPORT(SumAll);
 
-// The remainder of Gauss's rule (Abramowitz and Stegun 1964, 25.4.30) for a power of e, and for t times it near the
-// horizon. Two points are too few for what is narrow at a pole.
+// By the remainder of Gauss's rule (Abramowitz and Stegun 1964, 25.4.30) for a power of e, and for t times it near the
+// horizon. At least three points, as two are too few for narrow texels at a pole.
 int points_for(double steep, double error) {
   double factor = 1;  // (n!)^4 / ((2n)!)^3 x steep^2n.
   for (int n = 1; n <= most_points; ++n) {
@@ -303,8 +306,8 @@ int points_for(double steep, double error) {
 
 namespace {
 
-// The largest error of interpolation over blocks of a size above the horizon, in the direction in which the lobe
-// varies. @param size an angle.
+// The largest error of interpolation over blocks above the horizon, in the direction in which the lobe varies, relative
+// to the lobe or to the floor. @param size of a block, an angle.
 double interpolation_error(const Charlie& lobe, double size) {
   constexpr int nodes = SheenBlocks::nodes, steps = 12;
   const auto lobe_at = [&](double angle) { return lobe.value(1 - portable::sin_pi(angle / pi)); };
@@ -370,14 +373,14 @@ void sheen_sums(const SheenPlan& plan, const SheenBlocks& blocks, std::span<cons
   HWY_DYNAMIC_DISPATCH(SumAll)(plan, blocks, directions, out);
 }
 
-void sheen_map(const SheenPlan& plan, const SheenBlocks& blocks, double unit, const Making& map) {
+void sheen_map(const SheenPlan& plan, const SheenBlocks& blocks, double unit, const TargetTexels& map) {
   const SheenPlan fit = fitted(plan, blocks);
   map.each_row([&](std::span<const Direction> directions, std::span<Colour> texels, std::span<float> bounds) {
     std::vector<SheenSum> sums(directions.size());
     sheen_sums(fit, blocks, directions, sums);
     for (std::size_t k = 0; k < sums.size(); ++k) {
       texels[k] = Colour(unit * glm::max(Flux(0), sums[k].value));
-      bounds[k] = std::nextafter(float(fit.error + sums[k].off), 1.F);
+      bounds[k] = std::nextafter(float(fit.error + sums[k].error), 1.F);
     }
   });
 }

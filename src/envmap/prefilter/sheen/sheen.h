@@ -1,12 +1,14 @@
 /// @file
-/// Sheen: sums of light x t+ (1 - t)^p, t = n.d, whose bend at the horizon is where it is largest.
+/// Sheen: sums of light x t+ (1 - t)^p with t = n.d (Estevez and Kulla 2017), a lobe that is largest next to the jump
+/// of its slope at the horizon.
 ///
-/// Blocks that the horizon does not cut are sums over their points (sheen_blocks.h). The others are divided, down to
-/// texels, and those into equal cells over which t is taken as a plane. A cell that the horizon cuts is off by more:
-/// where all of those together may be off by too much, their texels are cut further, in double.
+/// Blocks wholly above the horizon are sums over their Chebyshev points (sheen_blocks.h). Cut blocks are divided, down
+/// to texels. A texel above the horizon takes Gauss points, a cut texel is divided into equal cells. Over a cell t is
+/// taken as a plane, and the means of the powers of t+ have closed forms at its corners (sheen_cell-inl.h). Where the
+/// errors of all cut cells together are too large, their texels are divided further, in double.
 ///
-/// Measured, not proved (tests/numeric/sheen_test.cpp): `SheenPlan::error`, of lone lights in any texel. As radiance is
-/// not negative, it then holds for every map, as in multilevel.h.
+/// Bound: `SheenPlan::error` is measured, not proved, with lone lights in any texel (tests/numeric/sheen_test.cpp). As
+/// radiance is not negative, it then holds for every map, as in multilevel.h.
 #pragma once
 
 #include <algorithm>
@@ -21,41 +23,42 @@ namespace envmap::prefiltering {
 
 struct SheenPlan {
   double power, scale;
-  double end;  ///< t beyond which the lobe is nothing.
-  int layers;  ///< Of blocks whose points are good enough: the first ones.
-  int cells;   ///< Of a texel that the horizon cuts, each way.
-  int points;  ///< Of other texels, each way, where one cell is not enough.
+  double end;  ///< t from which the lobe is negligible.
+  int layers;  ///< The first layers, whose blocks are small enough for their points.
+  int cells;   ///< Each way, of a texel that the horizon cuts.
+  int points;  ///< Each way, of other texels, where one cell is not enough.
   double points_error;
-  double cut;    ///< What the cells at the horizon may be off by, of a sum or of 0.001 x the mean.
-  double error;  ///< What all else is off by, at most.
+  double cut;    ///< The error that cells at the horizon may have, relative to the sum or the floor.
+  double error;  ///< The error of everything else, at most.
 
-  /// How large texels may be, an angle. The lobe falls by e^4 over it: larger ones take more time in cells (measured).
+  /// The largest texel, an angle. The lobe falls by e^4 over it: larger texels take more time in cells (measured).
   [[nodiscard]] double texel() const { return std::min(pi / 128, 4 / power); }
 };
 
-/// Gauss points each way, at most.
+/// The most Gauss points each way.
 inline constexpr int most_points = 12;
-/// How many a side of a texel needs. @param steep the power of e by which the lobe falls over it.
+/// The number of Gauss points that a side of a texel needs. @param steep the power of e by which the lobe falls over
+/// it.
 int points_for(double steep, double error);
 
 /// The least power of 1 - t: roughness 0.35.
 inline constexpr double least_sheen_power = 4;
 
-/// Nothing for other lobes, for wider ones, and for errors below 1e-4.
+/// @return nothing for other lobes, for wider sheen, and for errors below 1e-4.
 std::optional<SheenPlan> sheen_plan(const Lobe& lobe, double error);
-/// What depends on the source.
+/// Completes a plan for a source.
 SheenPlan fitted(SheenPlan plan, const SheenBlocks& blocks);
 
 struct SheenSum {
-  Flux value{0};   ///< In the unit of the blocks.
-  double off = 0;  ///< Of a sum, or of 0.001: what the cells at the horizon may be off by.
+  Flux value{0};     ///< Counted in the unit of the blocks.
+  double error = 0;  ///< Error of the cells at the horizon, relative to the sum or the floor.
 };
 
 /// The integrals of radiance x lobe over the sphere in some directions.
 void sheen_sums(const SheenPlan& plan, const SheenBlocks& blocks, std::span<const Direction> directions,
                 std::span<SheenSum> out);
 
-/// Sets the texels of a map, each with the bound of its error. @param unit of the blocks: the mean of the source.
-void sheen_map(const SheenPlan& plan, const SheenBlocks& blocks, double unit, const Making& map);
+/// Sets the texels of a map and their bounds. @param unit of the blocks: the mean of the source.
+void sheen_map(const SheenPlan& plan, const SheenBlocks& blocks, double unit, const TargetTexels& map);
 
 }  // namespace envmap::prefiltering

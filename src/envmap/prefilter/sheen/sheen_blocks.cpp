@@ -1,3 +1,5 @@
+// Builds the layers of blocks: texels are laid on the Chebyshev points of the smallest blocks, and the points of a
+// layer on those of the next.
 #include "envmap/prefilter/sheen/sheen_blocks.h"
 
 #include <algorithm>
@@ -6,6 +8,7 @@
 
 #include "envmap/base/parallel.h"
 #include "envmap/maths/portable.h"
+#include "envmap/maths/quadrature.h"
 #include "envmap/projection/cube.h"
 
 namespace envmap::prefiltering {
@@ -13,7 +16,7 @@ namespace envmap::prefiltering {
 namespace {
 
 constexpr std::size_t nodes = SheenBlocks::nodes;
-constexpr std::size_t most_blocks = 1 << 17;  // Of the smallest side, which is larger for larger maps.
+constexpr std::size_t most_blocks = 1 << 17;  // In the first layer, whose blocks are larger for larger maps.
 constexpr double widest = 0.25;               // Radians of a block.
 using Basis = std::array<double, nodes>;
 
@@ -27,7 +30,7 @@ double node(std::size_t k) {
   return all[k];
 }
 
-// What each node of [-1, 1] gets of a light at x: Lagrange's polynomials.
+// The part of a light at x that each node of [-1, 1] takes: Lagrange's polynomials.
 Basis basis(double x) {
   Basis all;
   all.fill(1);
@@ -37,10 +40,7 @@ Basis basis(double x) {
   return all;
 }
 
-// Of Gauss's two points.
-const double gauss = std::sqrt(1.0 / 3);
-
-// A place of a face in its frame, up to its length. @param x,y texels from the left and the top.
+// A place of a face, in the frame of the face. @param x,y texels from the left and the top.
 Direction place(bool latlong, double x, double y, int width, int height) {
   if (!latlong) return unit({2 * x / width - 1, 1 - 2 * y / height, 1});
   const double sine = portable::sin_pi(y / height);
@@ -49,18 +49,18 @@ Direction place(bool latlong, double x, double y, int width, int height) {
 
 }  // namespace
 
-SheenBlocks::SheenBlocks(const Level& source, double unit, const Colour& darkest)
+SheenBlocks::SheenBlocks(const Level& source, double unit, const Colour& min_radiance)
     : latlong_(source.projection() == Projection::latlong),
       width_(source.width()),
       height_(source.height()),
-      even_(Flux(darkest) / unit) {
+      min_radiance_(Flux(min_radiance) / unit) {
   int side = unit_side;
   while (std::size_t(faces()) * std::size_t(width_) / std::size_t(side) * std::size_t(height_) / std::size_t(side) >
          most_blocks)
     side *= 2;
   add_layer(side);
   while (layers_.back().side * texel() < 0.5 * widest) add_layer(2 * layers_.back().side);
-  take_texels(source, unit, darkest);
+  take_texels(source, unit, min_radiance);
   for_each_row(faces(), layers_.front().down, {}, [&](int face, int row) { sum_texels(face, row); });
   for (std::size_t k = 1; k < layers_.size(); ++k)
     for_each_row(faces(), layers_[k].down, {},
@@ -104,7 +104,7 @@ SheenBlocks::Shape SheenBlocks::shape_of(const Layer& layer, int row, int column
   return shape;
 }
 
-void SheenBlocks::take_texels(const Level& source, double unit, const Colour& darkest) {
+void SheenBlocks::take_texels(const Level& source, double unit, const Colour& min_radiance) {
   const Layer& first = layers_.front();
   const auto side = std::size_t(first.side);
   texels_.resize(first.light.size() * side * side * 3);
@@ -114,30 +114,33 @@ void SheenBlocks::take_texels(const Level& source, double unit, const Colour& da
       const std::size_t block = first.index(face, j / first.side, int(i / side));
       for (std::size_t c = 0; c < 3; ++c)
         texels_[((block * side + std::size_t(j) % side) * 3 + c) * side + i % side] =
-            float(double(row[i][int(c)] - darkest[int(c)]) / unit);
+            float(double(row[i][int(c)] - min_radiance[int(c)]) / unit);
     }
     source.trim();
   });
 }
 
-// The points of a row of the smallest blocks, by two Gauss points of each texel each way.
+// Sums the points of a row of the smallest blocks, by two Gauss points each way of each texel.
 void SheenBlocks::sum_texels(int face, int row) {
   Layer& layer = layers_.front();
   const int side = layer.side;
-  std::vector<Basis> bases;  // Of the points along a side.
-  for (int k = 0; k < 2 * side; ++k) bases.push_back(basis((k / 2 + 0.5 + (k % 2 - 0.5) * gauss) * 2 / side - 1));
+  std::vector<Basis> bases;  // Weights of the Gauss points along a side.
+  for (int k = 0; k < 2 * side; ++k)
+    bases.push_back(basis((k / 2 + 0.5 + (k % 2 - 0.5) * quadrature::gauss_2.node[1]) * 2 / side - 1));
   for (int column = 0; column < layer.across; ++column) {
     const std::size_t block = layer.index(face, row, column);
     std::array<std::array<double, nodes * nodes>, 3> sum{};
     bool lit = false;
     for (int down = 0; down < 2 * side; ++down) {
       std::array<Basis, 3> line{};
-      const double y = row * side + down / 2 + 0.5 + (down % 2 - 0.5) * gauss;
+      const double y = row * side + down / 2 + 0.5 + (down % 2 - 0.5) * quadrature::gauss_2.node[1];
       const double sine = latlong_ ? portable::sin_pi(y / height_) * pi / height_ * 2 * pi / width_ : 0;
       for (int across = 0; across < 2 * side; ++across) {
         double area = 0.25 * sine;
         if (!latlong_) {
-          const double s = 2 * (column * side + across / 2 + 0.5 + (across % 2 - 0.5) * gauss) / width_ - 1,
+          const double s = 2 * (column * side + across / 2 + 0.5 + (across % 2 - 0.5) * quadrature::gauss_2.node[1]) /
+                               width_ -
+                           1,
                        t = 1 - 2 * y / height_, square = 1 + s * s + t * t;
           area = 1 / (square * std::sqrt(square) * width_ * height_);
         }
@@ -158,7 +161,7 @@ void SheenBlocks::sum_texels(int face, int row) {
   }
 }
 
-// The points of a row of blocks, from those of the four blocks in each.
+// Sums the points of a row of blocks, from the points of the four blocks in each.
 void SheenBlocks::sum_blocks(const Layer& from, Layer& to, int face, int row) const {
   std::array<std::array<Basis, nodes>, 2> bases;
   for (std::size_t half = 0; half < 2; ++half)

@@ -1,9 +1,9 @@
 /// @file
 /// A source for sheen: blocks of texels in a tree, and the light of each block as points.
 ///
-/// A block's points are the nodes of Chebyshev's interpolation over it, and their light is the adjoint of that: the sum
-/// of a kernel over the points is the sum over the texels of the interpolated kernel. No point lies outside its block,
-/// so the horizon cuts the points of a block only where it cuts the block.
+/// The points of a block are the nodes of Chebyshev interpolation over it, and their light is its adjoint: the sum of a
+/// kernel over the points is the sum over the texels of the interpolated kernel. All points lie inside their block, so
+/// the horizon cuts the points of a block only where it cuts the block.
 #pragma once
 
 #include <algorithm>
@@ -16,7 +16,7 @@ namespace envmap::prefiltering {
 
 class SheenBlocks {
  public:
-  static constexpr int nodes = 8;  ///< Of an interpolation along one axis.
+  static constexpr int nodes = 8;  ///< Nodes of an interpolation along one axis.
   static constexpr int points = nodes * nodes;
   static constexpr int unit_side = 8;
 
@@ -43,17 +43,17 @@ class SheenBlocks {
   };
 
   /// @param source a cube or latlong map. @param unit that radiance is counted in, above 0.
-  /// @param darkest no texel is darker: light is counted from there, so that white stays white.
-  SheenBlocks(const Level& source, double unit, const Colour& darkest = Colour(0));
+  /// @param min_radiance of each channel, which blocks leave out (source_cube.h).
+  SheenBlocks(const Level& source, double unit, const Colour& min_radiance = Colour(0));
 
   [[nodiscard]] bool is_latlong() const { return latlong_; }
   [[nodiscard]] int faces() const { return latlong_ ? 1 : 6; }
-  [[nodiscard]] const Flux& even() const { return even_; }  ///< What every direction gets beside the blocks' light.
+  [[nodiscard]] const Flux& min_radiance() const { return min_radiance_; }  ///< Left out of the blocks.
   [[nodiscard]] int width() const { return width_; }
   [[nodiscard]] int height() const { return height_; }
   /// The longest side of a texel, as an angle.
   [[nodiscard]] double texel() const { return latlong_ ? std::max(pi / height_, 2 * pi / width_) : 2.0 / height_; }
-  /// From the smallest blocks on.
+  /// Layers from the smallest blocks on.
   [[nodiscard]] const std::vector<Layer>& layers() const { return layers_; }
   [[nodiscard]] const Shape& shape(const Layer& layer, int row, int column) const {
     return layer.shapes[latlong_ ? std::size_t(row) : layer.index(0, row, column)];
@@ -64,9 +64,9 @@ class SheenBlocks {
     return &texels_[((block * side + std::size_t(row)) * 3 + std::size_t(channel)) * side];
   }
 
-  /// A direction in the frame of a face: as FaceDirection of horizon_cells.h.
+  /// A direction in the frame of a face, see FaceDirection of horizon_cells.h.
   [[nodiscard]] Direction in_face(int face, const Direction& n) const;
-  /// The same in the frame of a block: latlong maps count longitudes from its middle.
+  /// The direction in the frame of a block: on a latlong map longitudes start at its middle.
   [[nodiscard]] Direction in_block(const Direction& n, const Layer& layer, int column) const {
     if (!latlong_) return n;
     const Direction& c = layer.columns[std::size_t(column)];
@@ -76,13 +76,13 @@ class SheenBlocks {
  private:
   void add_layer(int side);
   [[nodiscard]] Shape shape_of(const Layer& layer, int row, int column) const;
-  void take_texels(const Level& source, double unit, const Colour& darkest);
+  void take_texels(const Level& source, double unit, const Colour& min_radiance);
   void sum_texels(int face, int row);
   void sum_blocks(const Layer& from, Layer& to, int face, int row) const;
 
   bool latlong_;
   int width_, height_;
-  Flux even_;
+  Flux min_radiance_;
   std::vector<Layer> layers_;
   std::vector<float> texels_;
 };

@@ -1,4 +1,5 @@
-// The cells of texels as an output's direction sees them, for latlong maps and cube faces. Included once a target.
+// The cells and Gauss points of texels as an output's direction sees them, for latlong maps and cube faces: t over each
+// as a plane. Included once a target.
 #include <vector>
 
 #include "envmap/maths/portable.h"
@@ -18,8 +19,8 @@ HWY_BEFORE_NAMESPACE();
 namespace envmap::prefiltering {
 namespace HWY_NAMESPACE {
 
-using One = hn::CappedTag<double, 1>;
-using InDouble = Cell<hn::Vec<One>>;
+using ScalarTag = hn::CappedTag<double, 1>;
+using ScalarCell = Cell<hn::Vec<ScalarTag>>;
 
 template <class V>
 struct Point {
@@ -49,8 +50,8 @@ struct LatlongRow {
   double height, sine;         // Means.
   double middle, half, level;  // Heights from middle - half to middle + half; the sine of the polar angle at middle.
   double inward;               // Half the extent of that sine, by its variance.
-  double bend, size;           // By which t is no plane; the angle that the row is high.
-  // So near a pole that its cells are no rectangles.
+  double bend, size;           // The difference of t from a plane; the height of the row as an angle.
+  // Near a pole cells are no rectangles.
   [[nodiscard]] bool is_polar() const { return bend > 0.03 * size; }
   // @param top,bottom over pi. @param wide of a cell, in longitude.
   LatlongRow(double top, double bottom, double wide) {
@@ -69,20 +70,20 @@ struct LatlongRow {
 };
 
 struct OnLatlongCells {
-  // Columns of cells over a texel: their middles from that of a block, as 1 - mean cosine and mean sine, and the cosine
-  // and sine of the middle.
+  // Columns of cells over a texel: 1 - mean cosine and mean sine of their longitudes from the middle of a block, and
+  // the cosine and sine of their middles.
   struct Columns {
     int count;
     double wide;
-    std::vector<float> versine, sine, cosine, at_sine;  // By cell, then texel.
+    std::vector<float> versine, sine, cosine, at_sine;  // Ordered by cell, then texel.
   };
-  // The same of Gauss points, and what each is of a texel's width.
+  // Columns of Gauss points over a texel, with their weights.
   struct PointsAcross {
     int count;
     std::vector<float> versine, sine, weight;
   };
   struct PointRow {
-    double cosine, sine, weight;  // Of the polar angle.
+    double cosine, sine, weight;  // Of a polar angle.
   };
 
   OnLatlongCells(const SheenBlocks& blocks, const SheenPlan& plan)
@@ -100,7 +101,7 @@ struct OnLatlongCells {
       const double steep = plan.power * 2 * pi / width * wholes.back().level;
       points_of_row.push_back(points_for(steep, plan.points_error) - 1);
       first_point.push_back(point_rows.size());
-      const SideRule& rule = wholes.back().is_polar() ? finer : usual;  // There they are denser to one side.
+      const SideRule& rule = wholes.back().is_polar() ? finer : usual;  // Near a pole texels are denser to one side.
       for (std::size_t r = 0; r < rule.at.size(); ++r) {
         const double at = (row + rule.at[r]) / height, sine = portable::sin_pi(at);
         point_rows.push_back({portable::cos_pi(at), sine, rule.weight[r] * sine * pi / height});
@@ -117,17 +118,17 @@ struct OnLatlongCells {
   // A part of a texel in double.
   struct Part {
     double left, right, top, bottom;  // Longitudes from the middle of a block, polar angles over pi.
-    [[nodiscard]] InDouble cell(const Direction& n) const {
-      const One d;
+    [[nodiscard]] ScalarCell cell(const Direction& n) const {
+      const ScalarTag d;
       const LatlongRow row(top, bottom, right - left);
       const double at = 0.5 * (left + right), half = 0.5 * (right - left), shrink = portable::sin_pi(half / pi) / half;
       const double c = portable::cos_pi(at / pi), s = portable::sin_pi(at / pi), ahead = n.x * c + n.y * s;
-      return {hn::Set(d, row.height * n.z + row.sine * shrink * ahead),
-              hn::Set(d, row.sine * (n.y * c - n.x * s) * half),
-              hn::Set(d, row.half * n.z - row.inward * ahead),
+      return {broadcast(d, row.height * n.z + row.sine * shrink * ahead),
+              broadcast(d, row.sine * (n.y * c - n.x * s) * half),
+              broadcast(d, row.half * n.z - row.inward * ahead),
               hn::Zero(d),
               hn::Zero(d),
-              hn::Set(d, 4 * row.half * half)};
+              broadcast(d, 4 * row.half * half)};
     }
     [[nodiscard]] double bend() const { return LatlongRow(top, bottom, right - left).bend; }
     [[nodiscard]] bool is_polar() const { return LatlongRow(top, bottom, right - left).is_polar(); }
@@ -164,24 +165,24 @@ struct OnLatlongCells {
       const D d;
       const PointRow& own = place.point_rows[place.first_point[std::size_t(row)] + std::size_t(r)];
       const std::size_t k = std::size_t(q * place.side + first) + lane;
-      const V turn = hn::Sub(hn::Mul(hn::Set(d, float(n.y)), hn::LoadU(d, &points.sine[k])),
-                             hn::Mul(hn::Set(d, float(n.x)), hn::LoadU(d, &points.versine[k])));
-      return {hn::Add(hn::Set(d, float(own.cosine * n.z + own.sine * n.x)), hn::Mul(hn::Set(d, float(own.sine)), turn)),
-              hn::Set(d, float(own.weight) * points.weight[std::size_t(q)])};
+      const V turn =
+          broadcast(d, n.y) * hn::LoadU(d, &points.sine[k]) - broadcast(d, n.x) * hn::LoadU(d, &points.versine[k]);
+      return {broadcast(d, own.cosine * n.z + own.sine * n.x) + broadcast(d, own.sine) * turn,
+              broadcast(d, float(own.weight) * points.weight[std::size_t(q)])};
     }
     [[nodiscard]] HWY_INLINE Cell<V> cell_of(const LatlongRow& own, const Columns& from, std::size_t k) const {
       const D d;
-      const V x = hn::Set(d, float(n.x)), y = hn::Set(d, float(n.y)), sine = hn::Set(d, float(own.sine));
-      const V turn = hn::Sub(hn::Mul(y, hn::LoadU(d, &from.sine[k])), hn::Mul(x, hn::LoadU(d, &from.versine[k])));
+      const V x = broadcast(d, n.x), y = broadcast(d, n.y), sine = broadcast(d, own.sine);
+      const V turn = y * hn::LoadU(d, &from.sine[k]) - x * hn::LoadU(d, &from.versine[k]);
       const V c = hn::LoadU(d, &from.cosine[k]), s = hn::LoadU(d, &from.at_sine[k]);
-      const V ahead = hn::Add(hn::Mul(x, c), hn::Mul(y, s)), aside = hn::Sub(hn::Mul(y, c), hn::Mul(x, s));
+      const V ahead = x * c + y * s, aside = y * c - x * s;
       const double middle = own.height * n.z + own.sine * n.x;
-      return {hn::Add(hn::Set(d, float(middle)), hn::Mul(sine, turn)),
-              hn::Mul(hn::Mul(sine, aside), hn::Set(d, float(0.5 * from.wide))),
-              hn::Sub(hn::Set(d, float(own.half * n.z)), hn::Mul(hn::Set(d, float(own.inward)), ahead)),
+      return {broadcast(d, middle) + sine * turn,
+              sine * aside * broadcast(d, 0.5 * from.wide),
+              broadcast(d, own.half * n.z) - broadcast(d, own.inward) * ahead,
               hn::Zero(d),
               hn::Zero(d),
-              hn::Set(d, float(2 * own.half * from.wide))};
+              broadcast(d, 2 * own.half * from.wide)};
     }
     [[nodiscard]] Part whole(int lane) const {
       const double left = (first + lane - 0.5 * place.side) * 2 * pi / place.width;
@@ -199,13 +200,13 @@ struct OnLatlongCells {
   }
 
   int width, height, side, many, gauss;
-  std::vector<PointsAcross> points_across;  // By count.
+  std::vector<PointsAcross> points_across;  // Indexed by count - 1.
   std::vector<int> points_of_row;
-  std::vector<std::size_t> first_point;  // Of a row of texels, and of the end.
+  std::vector<std::size_t> first_point;  // Index for each row of texels, and the end.
   std::vector<PointRow> point_rows;
   std::vector<LatlongRow> wholes;  // Texels.
-  std::vector<Columns> columns;    // By count.
-  std::vector<int> across;         // Of a row of texels.
+  std::vector<Columns> columns;    // Indexed by count - 1.
+  std::vector<int> across;         // Cells of a texel across, for each row of texels.
   std::vector<LatlongRow> rows;
 
  private:
@@ -243,29 +244,23 @@ struct OnCubeCells {
   // n times a place of distance 1.
   template <class T, class Vector>
   static HWY_INLINE Cell<Vector> cell_at(T d, const Direction& n, Vector x, Vector y, Vector level, double half) {
-    const Vector one = set(d, 1), h = set(d, half), nx = set(d, n.x), ny = set(d, n.y);
-    const Vector square = hn::Div(one, hn::Add(one, hn::Add(hn::Mul(x, x), hn::Mul(y, y)))), q = hn::Sqrt(square);
-    const Vector cube = hn::Mul(q, square), fall = hn::Mul(level, cube);
-    const Vector right = hn::Sub(hn::Mul(nx, q), hn::Mul(x, fall)), up = hn::Sub(hn::Mul(ny, q), hn::Mul(y, fall));
+    const Vector one = broadcast(d, 1), h = broadcast(d, half), nx = broadcast(d, n.x), ny = broadcast(d, n.y);
+    const Vector square = one / (one + (x * x + y * y)), q = hn::Sqrt(square);
+    const Vector cube = q * square, fall = level * cube;
+    const Vector right = nx * q - x * fall, up = ny * q - y * fall;
     // The Laplacian of t: level times that of q, and twice the product of both slopes.
-    const Vector bent = hn::Sub(hn::Mul(fall, hn::Sub(one, hn::Mul(set(d, 3), square))),
-                                hn::Mul(hn::Mul(set(d, 2), cube), hn::Add(hn::Mul(nx, x), hn::Mul(ny, y))));
-    const Vector dense = hn::Add(one, hn::Mul(hn::Mul(set(d, 0.5 * half * half), square),
-                                              hn::Sub(set(d, 3), hn::Mul(set(d, 5), square))));
-    const Vector uneven = hn::Mul(hn::Mul(set(d, -3), square), h);
-    return {hn::Add(hn::Mul(level, q), hn::Mul(set(d, half * half / 6), bent)),
-            hn::Mul(right, h),
-            hn::Mul(up, h),
-            hn::Mul(uneven, x),
-            hn::Mul(uneven, y),
-            hn::Mul(hn::Mul(set(d, 4 * half * half), cube), dense)};
+    const Vector bent = fall * (one - broadcast(d, 3) * square) - broadcast(d, 2) * cube * (nx * x + ny * y);
+    const Vector dense = one + broadcast(d, 0.5 * half * half) * square * (broadcast(d, 3) - broadcast(d, 5) * square);
+    const Vector falloff = broadcast(d, -3) * square * h;
+    return {level * q + broadcast(d, half * half / 6) * bent, right * h, up * h, falloff * x, falloff * y,
+            broadcast(d, 4 * half * half) * cube * dense};
   }
 
   struct Part {
     double x, y, half;
-    [[nodiscard]] InDouble cell(const Direction& n) const {
-      const One d;
-      return cell_at(d, n, hn::Set(d, x), hn::Set(d, y), hn::Set(d, n.x * x + n.y * y + n.z), half);
+    [[nodiscard]] ScalarCell cell(const Direction& n) const {
+      const ScalarTag d;
+      return cell_at(d, n, broadcast(d, x), broadcast(d, y), broadcast(d, n.x * x + n.y * y + n.z), half);
     }
     [[nodiscard]] double bend() const { return half * half; }
     [[nodiscard]] bool is_polar() const { return false; }
@@ -278,7 +273,7 @@ struct OnCubeCells {
   struct Texels {
     const OnCubeCells& place;
     const Direction& n;
-    int row, block, first;  // Of texels; of a block's first texel; in the block.
+    int row, block, first;  // Row of texels; column of the block's first texel; texel in the block.
     [[nodiscard]] int across() const { return place.many; }
     [[nodiscard]] int down() const { return place.many; }
     [[nodiscard]] double half(int count) const { return 1.0 / place.size / count; }
@@ -298,12 +293,11 @@ struct OnCubeCells {
     [[nodiscard]] HWY_INLINE Point<V> point(int r, int q, std::size_t lane) const {
       const D d;
       const Place at = place_at(place.rule.at[std::size_t(q)], place.rule.at[std::size_t(r)], lane);
-      const V square =
-          hn::Div(hn::Set(d, 1), hn::Add(hn::Set(d, 1), hn::Add(hn::Mul(at.x, at.x), hn::Mul(at.y, at.y))));
+      const V square = broadcast(d, 1) / (broadcast(d, 1) + (at.x * at.x + at.y * at.y));
       const V root = hn::Sqrt(square);
       const double weight =
           place.rule.weight[std::size_t(q)] * place.rule.weight[std::size_t(r)] * 4 * half(1) * half(1);
-      return {hn::Mul(at.level, root), hn::Mul(hn::Set(d, float(weight)), hn::Mul(square, root))};
+      return {at.level * root, broadcast(d, weight) * (square * root)};
     }
     struct Place {
       V x, y, level;
@@ -313,10 +307,9 @@ struct OnCubeCells {
       const D d;
       const double y = 1 - (row + down) * 2 / place.size, x = 2.0 * (block + 0.5 * place.side) / place.size - 1;
       const double from = (first + across - 0.5 * place.side) * 2 / place.size;
-      const V off =
-          hn::Add(hn::Set(d, float(from)), hn::Mul(hn::Set(d, float(2.0 / place.size)), hn::Iota(d, float(lane))));
-      return {hn::Add(hn::Set(d, float(x)), off), hn::Set(d, float(y)),
-              hn::Add(hn::Set(d, float(n.x * x + n.y * y + n.z)), hn::Mul(hn::Set(d, float(n.x)), off))};
+      const V offset = broadcast(d, from) + broadcast(d, 2.0 / place.size) * hn::Iota(d, float(lane));
+      return {broadcast(d, x) + offset, broadcast(d, y),
+              broadcast(d, n.x * x + n.y * y + n.z) + broadcast(d, n.x) * offset};
     }
     [[nodiscard]] Part whole(int lane) const {
       return {2 * (block + first + lane + 0.5) / place.size - 1, 1 - 2 * (row + 0.5) / place.size, 1.0 / place.size};

@@ -1,8 +1,9 @@
 /// @file
-/// A lobe as a treecode sums it: what bends at the horizon goes to prefix sums (prefix_sums.h), the rest to the nodes.
+/// A lobe as the treecode sums it: P(t+) + K, with t the cosine.
 ///
-/// A Taylor series is of no use where the horizon cuts a node and the lobe has a kink there. With t = cos, the lobe is
-/// P(t+) + K, P a polynomial that hinges sum with a bound of their own, and K smoother at the horizon.
+/// Where the horizon cuts a node and the slope of the lobe jumps there, a Taylor series is of no use. So the first
+/// terms of the lobe's series in t at the horizon, P, go to prefix sums with a bound of their own (prefix_sums.h). The
+/// nodes sum the rest, K, which is smoother at the horizon.
 #pragma once
 
 #include <variant>
@@ -14,21 +15,17 @@ namespace envmap::prefiltering {
 
 struct TreecodeLobe {
   Lobe lobe;
-  HingePolynomial hinges;  ///< P.
-  /// K has so many bounded derivatives where the horizon cuts a node, up to 4. All but the last are continuous. Of a
-  /// Phong lobe of exponent 1 < m < 2 the first alone, which changes by at most m s^(m-1) over s.
+  ClampedCosinePolynomial horizon_terms;  ///< P.
+  /// Number of derivatives of K that are bounded at the horizon, up to 4. All but the last are continuous. A Phong lobe
+  /// of exponent 1 < m < 2 has only the first, which changes by at most m s^(m-1) over a step of s.
   int smooth = 4;
 
-  [[nodiscard]] bool has_hinges() const { return hinges.integral() > 0; }
-  /// Whether anything is left to the nodes.
+  [[nodiscard]] bool has_horizon_terms() const { return horizon_terms.integral() > 0; }
+  /// Whether K is not 0.
   [[nodiscard]] bool has_rest() const;
 };
 
-/// P of Blinn's lobe: the binomial series of k t ((1 + t) / 2)^p. Of powers below 1 the third term is below 0, and
-/// stays with K.
-HingePolynomial blinn_hinges(const BlinnPhong& lobe);
-
-/// Nothing for Phong lobes of exponent 0 to 1, which break off at the horizon.
+/// @return nothing for Phong lobes of exponent 0 to 1, which jump or have an unbounded slope at the horizon.
 std::optional<TreecodeLobe> treecode_lobe(const Lobe& lobe);
 
 }  // namespace envmap::prefiltering

@@ -1,3 +1,4 @@
+// Central moments, and the five scalars by which the theorem of treecode_kernels.h bounds the integrals over a node.
 #include "envmap/prefilter/treecode/moments.h"
 
 #include <algorithm>
@@ -22,7 +23,7 @@ constexpr std::size_t third_at(int i, int j, int k) {
   return 10 + place[i][j][k];
 }
 
-// Calls f with every i <= j, or i <= j <= k, as constants, so that nothing is left of the places at run time.
+// Calls f with every i <= j, or i <= j <= k, as constants, so that the places are known at compile time.
 template <class F>
 void for_pairs(F&& f) {
   constexpr std::integral_constant<int, 0> x{};
@@ -46,7 +47,7 @@ void add_direction(const Direction& d, double weight, Moments3& to) {
   for_triples([&](auto i, auto j, auto k) { to[third_at(i, j, k)] += weight * d[i] * d[j] * d[k]; });
 }
 
-// From the origin to c: the integrals of d - c, of its square and of its cube.
+// Moves moments from the origin to c: the integrals of d - c, (d - c)^2 and (d - c)^3.
 Moments3 central(const Moments3& m, const Direction& c) {
   Moments3 out{};
   const double flux = out[0] = m[0];
@@ -93,15 +94,15 @@ double largest(const Matrix& s, const Tangents& t) {
   return std::max(0.0, 0.5 * (a + c) + std::sqrt(half * half + b * b));
 }
 
-// A float that is no less, by what Gauss points and sums may have lost of the moments.
+// A float that is not less than x, with a margin for the error of Gauss points and sums.
 float float_above(double x) { return float(x * (1 + 1e-5)); }
 
 struct Scalars {
   double tangent2 = 0, tangent4 = 0, tangent3 = 0, radial2 = 0, radial4 = 0;
 };
 
-// Of one channel. As |d|^2 = 1, |d-c|^2 = 1 - |c|^2 - 2 c.(d-c): the fourth moment E |T|^2 TT^T is at most
-// E |d-c|^2 (d-c)(d-c)^T = (1 - |c|^2) S - 2 M.c, which the third moments M give.
+// The scalars of one channel. As |d| = 1, |d-c|^2 = 1 - |c|^2 - 2 c.(d-c) is linear in d. So the fourth moment E |T|^2
+// TT^T is at most E |d-c|^2 (d-c)(d-c)^T = (1 - |c|^2) S - 2 M.c, which third moments M give.
 Scalars scalars_of(const Moments3& m, const Direction& c, const Direction& axis, const Tangents& t,
                    double most_radial) {
   const double away = std::max(0.0, 1 - glm::dot(c, c)), per = 1 / m[0];
@@ -139,8 +140,9 @@ Patch patch_of(int face, const Rect& r) {
   for (int i = 0; i < 3; ++i) patch.centre[i] = patch.moments[first_at(i)] / patch.moments[0];
   for (const double at_u : {r.u0, r.u1})
     for (const double at_v : {r.v0, r.v1})
-      patch.reach = std::max(patch.reach, glm::length(P::direction(face, at_u, at_v) - patch.centre));
-  patch.reach *= 1 + 1e-3;  // A side of a texel at a pole bulges.
+      patch.bounding_radius =
+          std::max(patch.bounding_radius, glm::length(P::direction(face, at_u, at_v) - patch.centre));
+  patch.bounding_radius *= 1 + 1e-3;  // A side of a texel at a pole bulges.
   return patch;
 }
 template Patch patch_of<Latlong>(int, const Rect&);
@@ -174,7 +176,7 @@ void set_centre(Light& light, const ChannelWeights& weights) {
 }
 
 TreeNode finished(const Light& light) {
-  // Light from all around has no axis. The theorem holds about any centre within.
+  // Light from all around has no axis. The theorem holds about any centre inside the sphere.
   const bool wide = glm::length(light.centre) < 0.3;
   const Direction c = wide ? Direction(0) : light.centre;
   const double length = glm::length(c), away = std::max(0.0, 1 - length * length);
@@ -182,7 +184,7 @@ TreeNode finished(const Light& light) {
   n.axis = wide ? Direction(0, 1, 0) : c / length;
   n.sag = float(away / (1 + length));
   // |d - c| <= reach: a.d >= (1 + |c|^2 - reach^2) / 2|c|.
-  const double reach = light.reach * (1 + 1e-9);
+  const double reach = light.bounding_radius * (1 + 1e-9);
   const double cosine = wide ? -1 : std::clamp((1 + length * length - reach * reach) / (2 * length) - 1e-15, -1.0, 1.0);
   n.cosine = float(cosine), n.sine = float_above(std::sqrt(std::max(0.0, (1 - cosine) * (1 + cosine)))) + 1e-7F;
   // a.(d - c) = (1 - |c|^2 - |d - c|^2) / 2|c|.
@@ -204,7 +206,7 @@ TreeNode finished(const Light& light) {
 }
 
 TreeNode node_of(const Patch& patch, const std::array<double, channels>& radiance) {
-  Light one{.centre = patch.centre, .reach = patch.reach};
+  Light one{.centre = patch.centre, .bounding_radius = patch.bounding_radius};
   one.moments[0] = patch.moments;
   TreeNode n = finished(one);
   const auto flux = n.flux[0];

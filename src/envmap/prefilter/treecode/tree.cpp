@@ -1,38 +1,25 @@
+// Builds the quadtree from its lowest blocks up, parts of the map in parallel. Moments of texels are shared along rows
+// of latlong maps and by the faces of cubes.
 #include "envmap/prefilter/treecode/tree.h"
 
 #include <algorithm>
-#include <limits>
 #include <utility>
 
 #include "envmap/base/parallel.h"
-#include "envmap/operate/measure.h"
 #include "envmap/prefilter/cell_moments.h"
 
 namespace envmap::prefiltering {
 
-Colour darkest_of(const Level& source) {
-  Colour least(std::numeric_limits<float>::max());
-  for (const Colour& row : map_rows<Colour>(source.height(), [&](int j) {
-         Colour c(std::numeric_limits<float>::max());
-         for (int face = 0; face < source.faces(); ++face)
-           for (const Colour& texel : source.row(face, j)) c = glm::min(c, texel);
-         source.trim();
-         return c;
-       }))
-    least = glm::min(least, row);
-  return least;
-}
-
 namespace {
 
-// Blocks of the lowest level, 230 bytes each, 310 with all above: 40 MB, or a little more than a large source itself
-// takes.
+// The most blocks of the lowest level. A block takes 230 bytes, 310 with its part of all levels above: 40 MB in all, or
+// a little more than a large source itself.
 std::int64_t most_stored(std::int64_t texels) { return std::clamp<std::int64_t>(texels / 16, 1 << 17, 1 << 19); }
 
 int halves(int n) { return (n + 1) / 2; }
 
-// The moments of texels, which all blocks of a row of a latlong map share but for a turn about the poles, and all faces
-// of a cube: in the frame of the map's west border, or of face 0.
+// The moments of texels. All blocks of a row of a latlong map share them but for a rotation about the poles, and so do
+// all faces of a cube: they are kept in the frame of the map's west border, or of face 0.
 class TexelPatches {
  public:
   TexelPatches(const Level& source, int side) : source_(source), side_(side) {
@@ -46,7 +33,7 @@ class TexelPatches {
   [[nodiscard]] Patch at(int left, int i, int j) const {
     return rows_.empty() ? patch(left + i, j) : rows_[std::size_t(j * side_ + i)];
   }
-  // From the frame of at() to that of the map.
+  // The rotation from the frame of at() to that of the map.
   [[nodiscard]] Rotation frame(int face, int left) const {
     if (rows_.empty()) {
       const auto axes = [](int f) {
@@ -70,8 +57,8 @@ class TexelPatches {
   std::vector<Patch> rows_;
 };
 
-// Builds the levels of a tree from its lowest blocks up, each part of it depth first, so that the moments of few blocks
-// are kept at once.
+// Builds the levels of a tree from its lowest blocks up, depth first, so that the moments of few blocks are kept at
+// once.
 class Builder {
  public:
   using Faces = std::array<Light, 6>;
@@ -79,12 +66,12 @@ class Builder {
   Builder(const Tree& tree, std::vector<Tree::Blocks>& levels, const ChannelWeights& weights)
       : tree_(tree), levels_(levels), weights_(weights), side_(1 << tree.first()), patches_(tree.source(), side_) {}
 
-  // Sets block (i, j) of a level, on all faces, and all below it. @return its light, of each face.
+  // Sets block (i, j) of a level and all blocks in it, on all faces. @return its light on each face.
   Faces build(std::size_t level, int i, int j) {
     if (level == 0) return store(level, i, j, lowest(i, j));
     return unite(level, i, j, [&](int x, int y) { return build(level - 1, x, y); });
   }
-  // The same of a block whose parts are made: part(x, y).
+  // Sets a block from its parts, part(x, y).
   template <class Part>
   Faces unite(std::size_t level, int i, int j, Part&& part) {
     const Tree::Blocks& fine = levels_[level - 1];
@@ -110,7 +97,9 @@ class Builder {
       for (std::size_t k = 0; k < part.moments[c].size(); ++k) whole.moments[c][k] += part.moments[c][k];
   }
   static void reach_to(const Light& part, Light& whole) {
-    if (part.lit()) whole.reach = std::max(whole.reach, glm::length(part.centre - whole.centre) + part.reach);
+    if (part.lit())
+      whole.bounding_radius =
+          std::max(whole.bounding_radius, glm::length(part.centre - whole.centre) + part.bounding_radius);
   }
 
   // A block of texels: the sum of their moments, each times its radiance.
@@ -129,7 +118,7 @@ class Builder {
       for (int y = top; y < bottom; ++y) {
         std::array<Moments3, channels> row{};
         for (int x = left; x < right; ++x, ++patch) {
-          const Flux radiance = tree_.beyond(*source.texel(face, x, y));
+          const Flux radiance = tree_.excess(*source.texel(face, x, y));
           for (std::size_t c = 0; c < channels; ++c)
             for (std::size_t k = 0; k < row[c].size(); ++k) row[c][k] += radiance[int(c)] * patch->moments[k];
         }
@@ -140,8 +129,9 @@ class Builder {
       patch = patches.data();
       for (int y = top; y < bottom; ++y)
         for (int x = left; x < right; ++x, ++patch)
-          if (tree_.beyond(*source.texel(face, x, y)) != Flux(0))
-            light.reach = std::max(light.reach, glm::length(patch->centre - light.centre) + patch->reach);
+          if (tree_.excess(*source.texel(face, x, y)) != Flux(0))
+            light.bounding_radius =
+                std::max(light.bounding_radius, glm::length(patch->centre - light.centre) + patch->bounding_radius);
       const Rotation frame = patches_.frame(face, left);
       for (Moments3& m : light.moments)
         if (m[0] > 0) m = turned(m, frame);
@@ -164,13 +154,13 @@ class Builder {
   TexelPatches patches_;
 };
 
-// 1 over the flux of each channel.
-ChannelWeights weights_of(const Level& source, const Tree& tree) {
-  const Flux mean = totals(source).flux / (4 * pi);
+// 1 over the excess of each channel. @param flux of the source.
+ChannelWeights weights_of(const Flux& flux, const Tree& tree) {
+  const Flux mean = flux / (4 * pi);
   ChannelWeights weights{};
   for (int c = 0; c < 3; ++c) {
-    const double beyond = tree.mean() > 0 ? mean[c] / tree.mean() - tree.darkest()[c] : 0;
-    weights[std::size_t(c)] = beyond > 1e-12 ? 1 / beyond : 0;
+    const double excess = tree.mean() > 0 ? mean[c] / tree.mean() - tree.min_radiance()[c] : 0;
+    weights[std::size_t(c)] = excess > 1e-12 ? 1 / excess : 0;
   }
   return weights;
 }
@@ -190,8 +180,8 @@ void Tree::Blocks::set(int face, int i, int j, const TreeNode& node) {
                                                                                     node);
 }
 
-Tree::Tree(const Level& source, double mean) : source_(source), mean_(mean), darkest_(0) {
-  if (mean_ > 0) darkest_ = Flux(darkest_of(source)) / mean_;
+Tree::Tree(const Level& source, double mean, const Flux& flux, const Colour& min_radiance)
+    : source_(source), mean_(mean), min_radiance_(mean > 0 ? Flux(min_radiance) / mean : Flux(0)) {
   const int faces = source.faces();
   const auto stored = [&] { return std::int64_t(faces) * (source.width() >> first_) * (source.height() >> first_); };
   for (const std::int64_t most = most_stored(stored()); stored() > most;) ++first_;
@@ -201,9 +191,9 @@ Tree::Tree(const Level& source, double mean) : source_(source), mean_(mean), dar
     blocks_.emplace_back(faces, w, h);
     if (w == 1 && h == 1) break;
   }
-  const ChannelWeights weights = weights_of(source, *this);
+  const ChannelWeights weights = weights_of(flux, *this);
   Builder builder(*this, blocks_, weights);
-  // Some hundred parts at once, and what is above them one by one.
+  // Some hundred parts in parallel, and the few blocks above them one by one.
   std::size_t level = 0;
   while (level + 1 < blocks_.size() && blocks_[level].width * blocks_[level].height > 512) ++level;
   const auto count = [&](std::size_t k) { return std::size_t(blocks_[k].width * blocks_[k].height); };

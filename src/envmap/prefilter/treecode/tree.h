@@ -1,5 +1,5 @@
 /// @file
-/// The source as a quad-tree of nodes: every block of 2^k x 2^k texels of a face with its moments.
+/// The source as a quadtree of nodes: every block of 2^k x 2^k texels of a face has its moments (moments.h).
 #pragma once
 
 #include <array>
@@ -11,10 +11,7 @@
 
 namespace envmap::prefiltering {
 
-/// Least radiance of each channel.
-Colour darkest_of(const Level& source);
-
-/// What is judged of nodes, side by side.
+/// The numbers of N nodes that bound_nodes() reads, side by side.
 template <std::size_t N>
 struct alignas(4 * N) NodeHeads {
   using Lanes = std::array<float, N>;
@@ -31,22 +28,22 @@ struct alignas(4 * N) NodeHeads {
   }
 };
 using NodeQuad = NodeHeads<4>;    ///< The four parts of a block.
-using NodeGroup = NodeHeads<16>;  ///< What is judged at once.
+using NodeGroup = NodeHeads<16>;  ///< The nodes that are bounded at once.
 
-/// Blocks above a size are stored. Texels and parts of texels are made as they are wanted, which is seldom.
+/// Blocks from a size on are stored. Nodes of texels and of parts of texels are made on demand, which is seldom.
 class Tree {
  public:
   /// One size of blocks.
   struct Blocks {
     int faces, width, height;           ///< Blocks across and down a face.
-    std::unique_ptr<TreeNode[]> nodes;  ///< By face, row and column.
-    std::unique_ptr<NodeQuad[]> quads;  ///< The same in fours, by where they lie in the level above.
+    std::unique_ptr<TreeNode[]> nodes;  ///< Ordered by face, row and column.
+    std::unique_ptr<NodeQuad[]> quads;  ///< The same nodes in fours, by their block of the level above.
 
     Blocks(int of_faces, int across, int down);
     [[nodiscard]] const TreeNode& node(int face, int i, int j) const {
       return nodes[place(width, height, face, j) + std::size_t(i)];
     }
-    /// Blocks 2i, 2i + 1 of rows 2j, 2j + 1; without flux where there is none.
+    /// Blocks 2i, 2i + 1 of rows 2j, 2j + 1. A block outside the level has no flux.
     [[nodiscard]] const NodeQuad& quad(int face, int i, int j) const {
       return quads[place((width + 1) / 2, (height + 1) / 2, face, j) + std::size_t(i)];
     }
@@ -59,16 +56,15 @@ class Tree {
   };
 
   /// @param source a cube or latlong map of texels of 1.5 degrees or less, which must outlive the tree.
-  /// @param mean of its radiance.
-  Tree(const Level& source, double mean);
+  /// @param mean of its radiance. @param flux totals() of the source. @param min_radiance of each channel.
+  Tree(const Level& source, double mean, const Flux& flux, const Colour& min_radiance);
 
   [[nodiscard]] const Level& source() const { return source_; }
-  [[nodiscard]] double mean() const { return mean_; }  ///< Radiance that fluxes are in units of; 0 if all is black.
-  /// Least radiance of each channel, in units of the mean. It falls from everywhere, so its part of a result is known:
-  /// nodes hold what is beyond() it, in the same units.
-  [[nodiscard]] const Flux& darkest() const { return darkest_; }
-  [[nodiscard]] Flux beyond(const Colour& radiance) const {
-    return mean_ > 0 ? glm::max(Flux(0), Flux(radiance) / mean_ - darkest_) : Flux(0);
+  [[nodiscard]] double mean() const { return mean_; }  ///< The unit of fluxes; 0 if all is black.
+  /// Least radiance of each channel, in units of the mean. Nodes hold the excess() over it, in the same units.
+  [[nodiscard]] const Flux& min_radiance() const { return min_radiance_; }
+  [[nodiscard]] Flux excess(const Colour& radiance) const {
+    return mean_ > 0 ? glm::max(Flux(0), Flux(radiance) / mean_ - min_radiance_) : Flux(0);
   }
   [[nodiscard]] int first() const { return first_; }  ///< log2 of the texels across the smallest block stored.
   [[nodiscard]] int last() const { return first_ + int(blocks_.size()) - 1; }
@@ -77,7 +73,7 @@ class Tree {
  private:
   const Level& source_;
   double mean_;
-  Flux darkest_;
+  Flux min_radiance_;
   int first_ = 0;
   std::vector<Blocks> blocks_;
 };

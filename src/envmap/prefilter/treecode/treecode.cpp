@@ -1,3 +1,5 @@
+// Goes down the tree for tiles of neighbouring directions, sums the nodes, and certifies each texel by the sum of their
+// bounds. Where that exceeds the error that was asked for, smaller nodes are tried.
 #include "envmap/prefilter/treecode/treecode.h"
 
 #include <cmath>
@@ -19,14 +21,14 @@ namespace {
 
 constexpr int tile_side = 8;
 
-// What is asked of the nodes of a tile.
+// The opening criterion of a tile: a node is small enough if its bound x flux x weight is within the limit.
 struct Criterion {
-  std::array<float, channels> weight;  // 1 over what a direction gets, about.
-  float limit;                         // What a node may be off, relative to that.
-  std::size_t most_nodes;              // More are of no use.
+  std::array<float, channels> weight;  // 1 over the result of a direction, about.
+  float limit;                         // Largest error of a node, relative to the result.
+  std::size_t most_nodes;              // With more nodes the exact sum is quicker.
 };
 
-// Goes down a tree to nodes that are good enough for all directions of a tile.
+// Goes down a tree, level by level, to nodes that are small enough for all directions of a tile.
 class Traversal {
  public:
   explicit Traversal(const Tree& tree, const TreecodeLobe& lobe) : tree_(tree), lobe_(lobe) {}
@@ -34,18 +36,18 @@ class Traversal {
   // @return false where there are too many nodes.
   bool run(const Tile& tile, const Criterion& criterion) {
     tile_ = &tile, criterion_ = criterion;
-    nodes_.clear(), own_.clear(), bound_ = {}, judged_ = 0;
+    nodes_.clear(), own_.clear(), bound_ = {}, bounded_ = 0;
     next_.clear();
     const Tree::Blocks& top = tree_.blocks(tree_.last());
     for (int face = 0; face < top.faces; ++face) next_.push_back({face, 0, 0});
-    // The top of a face is judged as the first of four blocks.
-    for (int k = tree_.last(); k >= tree_.first() && !next_.empty() && !enough(); --k) judge_level(k);
+    // The top of a face is read as the first of four blocks.
+    for (int k = tree_.last(); k >= tree_.first() && !next_.empty() && !enough(); --k) open_level(k);
     if (!enough()) visit_source(tree_.source().projection(), [&](auto p) { open_blocks<decltype(p)>(); });
-    count(Work::judged, judged_);
+    count(Work::bounded_nodes, bounded_);
     return !enough();
   }
   [[nodiscard]] const NodeSums& nodes() const { return nodes_; }
-  // What they are off together, at most.
+  // The sum of their bounds.
   [[nodiscard]] const std::array<double, channels>& bound() const { return bound_; }
 
  private:
@@ -58,34 +60,35 @@ class Traversal {
     Rect rect;
     std::array<double, channels> radiance;
   };
-  static constexpr int deepest = 16;  // Of halvings of a texel.
+  static constexpr int deepest = 16;  // Halvings of a texel.
 
   [[nodiscard]] bool enough() const {
-    return nodes_.count() > criterion_.most_nodes || judged_ > 4 * criterion_.most_nodes;  // Twice as many as usual.
+    return nodes_.count() > criterion_.most_nodes || bounded_ > 4 * criterion_.most_nodes;  // Twice as many as usual.
   }
 
   [[nodiscard]] bool good(const NodeGroup& group, std::size_t lane) const {
     float flux = 0;
     for (std::size_t c = 0; c < channels; ++c) flux = std::max(flux, group.flux[c][lane] * criterion_.weight[c]);
-    return judgement_.bound[lane] * flux <= criterion_.limit;
+    return bounds_.bound[lane] * flux <= criterion_.limit;
   }
   void accept(const TreeNode& node, std::size_t lane) {
-    nodes_.of(judgement_.form[lane]).push_back({&node, judgement_.even[lane], judgement_.line[lane]});
-    for (std::size_t c = 0; c < channels; ++c) bound_[c] += double(judgement_.bound[lane]) * node.flux[c];
+    nodes_.of(bounds_.form[lane]).push_back({&node, bounds_.constant[lane], bounds_.line[lane]});
+    for (std::size_t c = 0; c < channels; ++c) bound_[c] += double(bounds_.bound[lane]) * node.flux[c];
   }
 
-  // Blocks of level k by fours: `next_` names the fours, and then the fours of the next level, or blocks to be opened.
-  void judge_level(int k) {
+  // Takes or opens the blocks of level k. `next_` names them by fours, and afterwards the fours of the level below, or
+  // blocks of texels to be opened.
+  void open_level(int k) {
     const Tree::Blocks& blocks = tree_.blocks(k);
     std::swap(now_, next_), next_.clear();
     for (std::size_t from = 0; from < now_.size() && !enough(); from += 4) {
       const std::size_t many = std::min<std::size_t>(4, now_.size() - from);
       for (std::size_t q = 0; q < 4; ++q)
         put(q < many ? blocks.quad(now_[from + q].face, now_[from + q].i, now_[from + q].j) : NodeQuad{}, q);
-      judge(lobe_, *tile_, group_, judgement_);
-      judged_ += 4 * many;
+      bound_nodes(lobe_, *tile_, group_, bounds_);
+      bounded_ += 4 * many;
       for (std::size_t lane = 0; lane < 4 * many; ++lane) {
-        if (!(judgement_.visible >> lane & 1)) continue;
+        if (!(bounds_.visible >> lane & 1)) continue;
         const Block& of = now_[from + lane / 4];
         const Block block{of.face, 2 * of.i + int(lane % 2), 2 * of.j + int(lane / 2 % 2)};
         if (good(group_, lane))
@@ -107,7 +110,7 @@ class Traversal {
     for (std::size_t c = 0; c < channels; ++c) copy(quad.flux[c], group_.flux[c]);
   }
 
-  // Texels of the lowest blocks that are not good enough, and their quarters, and so on.
+  // Opens the lowest blocks that are too large into texels, texels into quarters, and so on.
   template <class P>
   void open_blocks() {
     const Level& source = tree_.source();
@@ -116,9 +119,9 @@ class Traversal {
     for (const Block& b : next_)
       for (int j = b.j * side; j < std::min(source.height(), (b.j + 1) * side); ++j)
         for (int i = b.i * side; i < std::min(source.width(), (b.i + 1) * side); ++i)
-          if (const Flux light = tree_.beyond(*source.texel(b.face, i, j)); light != Flux(0)) {
+          if (const Flux light = tree_.excess(*source.texel(b.face, i, j)); light != Flux(0)) {
             const Part texel{b.face, 0, texel_rect(i, j, source.width(), source.height()), {light.x, light.y, light.z}};
-            if (side == 1)  // A block of one texel was judged as such.
+            if (side == 1)  // A block of one texel was tried as such.
               divide(texel);
             else
               parts_.push_back(texel);
@@ -126,22 +129,22 @@ class Traversal {
     while (!parts_.empty() && !enough()) {
       std::swap(parts_, open_), parts_.clear();
       for (std::size_t from = 0; from < open_.size() && !enough(); from += 16)
-        judge_parts<P>(std::span(open_).subspan(from, std::min<std::size_t>(16, open_.size() - from)));
+        open_parts<P>(std::span(open_).subspan(from, std::min<std::size_t>(16, open_.size() - from)));
     }
   }
   template <class P>
-  void judge_parts(std::span<const Part> parts) {
+  void open_parts(std::span<const Part> parts) {
     group_ = {};
     std::array<const TreeNode*, 16> made;
     for (std::size_t lane = 0; lane < parts.size(); ++lane) {
       made[lane] = &own_.emplace_back(node_of(patch_of<P>(parts[lane].face, parts[lane].rect), parts[lane].radiance));
       group_.set(lane, *made[lane]);
     }
-    judge(lobe_, *tile_, group_, judgement_);
-    judged_ += parts.size();
+    bound_nodes(lobe_, *tile_, group_, bounds_);
+    bounded_ += parts.size();
     for (std::size_t lane = 0; lane < parts.size(); ++lane) {
       const Part& part = parts[lane];
-      if (!(judgement_.visible >> lane & 1)) continue;
+      if (!(bounds_.visible >> lane & 1)) continue;
       if (good(group_, lane) || part.depth >= deepest)
         accept(*made[lane], lane);
       else
@@ -157,29 +160,30 @@ class Traversal {
   const Tile* tile_ = nullptr;
   Criterion criterion_{};
   NodeSums nodes_;
-  std::deque<TreeNode> own_;  // Of texels and their parts.
+  std::deque<TreeNode> own_;  // Nodes of texels and of their parts.
   std::array<double, channels> bound_{};
-  std::uint64_t judged_ = 0;
+  std::uint64_t bounded_ = 0;
   std::vector<Block> now_, next_;
   std::vector<Part> parts_, open_;
   NodeGroup group_{};
-  Judged judgement_{};
+  NodeBounds bounds_{};
 };
 
 // Makes the tiles of a row, from left to right.
 class TileRow {
  public:
-  TileRow(const Tree& tree, const Hinges* hinges, const TreecodeLobe& lobe, double max_error, const Making& map)
+  TileRow(const Tree& tree, const PrefixSums* prefix_sums, const TreecodeLobe& lobe, double max_error,
+          const TargetTexels& map)
       : tree_(tree),
-        hinges_(hinges),
+        prefix_sums_(prefix_sums),
         lobe_(lobe),
         max_error_(max_error),
         most_sine_(tile_sine(lobe.lobe, max_error)),
         map_(map),
         traversal_(tree, lobe),
-        even_((1 - lobe.hinges.integral()) * tree.darkest()) {
-    // Of the first tile of a row, as good as any.
-    for (int c = 0; c < 3; ++c) guess_[std::size_t(c)] = std::max(tree.darkest()[c], 0.3);
+        from_min_radiance_((1 - lobe.horizon_terms.integral()) * tree.min_radiance()) {
+    // A guess for the first tile of a row.
+    for (int c = 0; c < 3; ++c) guess_[std::size_t(c)] = std::max(tree.min_radiance()[c], 0.3);
     limit_ = 1e-3 * max_error;
   }
 
@@ -211,10 +215,10 @@ class TileRow {
   }
 
  private:
-  // @return false, and the texels of the tile are not set, where they would take too many nodes in all tries together.
+  // Sets the texels of a tile. @return false, with no texel set, where all tries together would take too many nodes.
   bool set(const Tile& tile, std::span<const Direction> directions, std::span<const Texel> texels) {
     constexpr int most_tries = 8;
-    std::array<HingeSum, Tile::most> at_horizon{};
+    std::array<PrefixSum, Tile::most> at_horizon{};
     bool has_horizon = false;
     double before = std::numeric_limits<double>::infinity();
     const float first_limit = limit_;
@@ -227,25 +231,24 @@ class TileRow {
       if (!traversal_.run(tile, criterion(left))) return give_up();
       left -= traversal_.nodes().count();
       evaluate(lobe_, traversal_.nodes(), tile, sums_);
-      count(Work::seen, traversal_.nodes().count() * tile.count);
-      if (lobe_.has_hinges() && !std::exchange(has_horizon, true)) set_horizon(directions, at_horizon);
-      const Figures figures = bound(tile.count, at_horizon);
-      const double figure = figures.all;
-      // Of what is left to the nodes. The error of all falls about as that of each to the power of two thirds.
-      const double off = std::max(1e-3, (figure - figures.horizon) / (max_error_ - figures.horizon));
-      if (figure <= max_error_) {
-        limit_ *= float(std::clamp(portable::pow(0.85 / off, 1.5), 0.3, 2.0));
+      count(Work::node_sums, traversal_.nodes().count() * tile.count);
+      if (lobe_.has_horizon_terms() && !std::exchange(has_horizon, true)) set_horizon(directions, at_horizon);
+      const TileBounds bounds = bound(tile.count, at_horizon);
+      // The bound over the error that is left to the nodes. It falls about as the limit to the power of two thirds.
+      const double ratio = std::max(1e-3, (bounds.all - bounds.horizon) / (max_error_ - bounds.horizon));
+      if (bounds.all <= max_error_) {
+        limit_ *= float(std::clamp(portable::pow(0.85 / ratio, 1.5), 0.3, 2.0));
         store(texels, at_horizon);
         return true;
       }
-      // What is left is rounding, or the horizon's.
-      if (!(figure <= 0.95 * before) || figures.horizon > 0.8 * max_error_) return give_up();
-      before = figure, limit_ *= float(std::clamp(portable::pow(0.8 / off, 1.5), 1e-3, 0.8));
+      // Smaller nodes do not help where rounding or the horizon has the largest part.
+      if (!(bounds.all <= 0.95 * before) || bounds.horizon > 0.8 * max_error_) return give_up();
+      before = bounds.all, limit_ *= float(std::clamp(portable::pow(0.8 / ratio, 1.5), 1e-3, 0.8));
     }
     return give_up();
   }
 
-  // Nodes beyond which the exact sum of so many directions is quicker.
+  // The number of nodes from which the exact sum of so many directions is quicker.
   [[nodiscard]] std::size_t most_nodes(std::size_t directions) const {
     const Level& s = tree_.source();
     return std::clamp<std::size_t>(directions * index_of(s, {s.faces(), 0, 0}) / 4, 1 << 15, 1 << 17);
@@ -256,30 +259,33 @@ class TileRow {
     return c;
   }
 
-  void set_horizon(std::span<const Direction> directions, std::span<HingeSum> out) const {
+  void set_horizon(std::span<const Direction> directions, std::span<PrefixSum> out) const {
     std::array<Flux, Tile::most> beside;
     for (std::size_t k = 0; k < directions.size(); ++k) beside[k] = tree_.mean() * smooth(k);
-    hinges_->sums(lobe_.hinges, directions, 0.3 * max_error_, std::span(beside).first(directions.size()), out);
+    prefix_sums_->sums(lobe_.horizon_terms, directions, 0.3 * max_error_, std::span(beside).first(directions.size()),
+                       out);
   }
-  [[nodiscard]] Flux smooth(std::size_t k) const { return Flux(sums_[0][k], sums_[1][k], sums_[2][k]) + even_; }
+  [[nodiscard]] Flux smooth(std::size_t k) const {
+    return Flux(sums_[0][k], sums_[1][k], sums_[2][k]) + from_min_radiance_;
+  }
 
-  struct Figures {
-    double all = 0, horizon = 0;  // The largest bound of a texel, and of what is summed at the horizon.
+  struct TileBounds {
+    double all = 0, horizon = 0;  // The largest bound of a texel, and of its prefix sums.
   };
   // Sets the bound of each texel, and the guess for the next try or tile.
-  Figures bound(std::size_t count, std::span<const HingeSum> at_horizon) {
-    constexpr double rounding = 0x1p-22;  // Of the result and of what is taken off the source.
-    Figures largest;
+  TileBounds bound(std::size_t count, std::span<const PrefixSum> at_horizon) {
+    constexpr double rounding = 0x1p-22;  // Of the result, and of the source less its least radiance.
+    TileBounds largest;
     guess_.fill(std::numeric_limits<double>::max());
     for (std::size_t k = 0; k < count; ++k) {
       const Flux sum = smooth(k) + at_horizon[k].value / tree_.mean();
       double worst = 0;
       for (int c = 0; c < 3; ++c) {
         const auto ch = std::size_t(c);
-        const double horizon = at_horizon[k].bound[c] / tree_.mean(), off = traversal_.bound()[ch] + horizon;
-        const double least = std::max(sum[c] - off, floor_of_mean);
-        if (!std::isfinite(off)) worst = std::numeric_limits<double>::infinity();
-        worst = std::max(worst, off / least), largest.horizon = std::max(largest.horizon, horizon / least);
+        const double horizon = at_horizon[k].bound[c] / tree_.mean(), error = traversal_.bound()[ch] + horizon;
+        const double least = std::max(sum[c] - error, floor_of_mean);
+        if (!std::isfinite(error)) worst = std::numeric_limits<double>::infinity();
+        worst = std::max(worst, error / least), largest.horizon = std::max(largest.horizon, horizon / least);
         guess_[ch] = std::min(guess_[ch], std::max(least, 0.5 * sum[c]));
       }
       if (!std::isfinite(sum.x + sum.y + sum.z)) worst = std::numeric_limits<double>::infinity();
@@ -287,7 +293,7 @@ class TileRow {
     }
     return largest;
   }
-  void store(std::span<const Texel> texels, std::span<const HingeSum> at_horizon) const {
+  void store(std::span<const Texel> texels, std::span<const PrefixSum> at_horizon) const {
     for (std::size_t k = 0; k < texels.size(); ++k) {
       const Texel& t = texels[k];
       const Flux value = tree_.mean() * smooth(k) + at_horizon[k].value;
@@ -297,12 +303,12 @@ class TileRow {
   }
 
   const Tree& tree_;
-  const Hinges* hinges_;
+  const PrefixSums* prefix_sums_;
   const TreecodeLobe& lobe_;
   double max_error_, most_sine_;
-  const Making& map_;
+  const TargetTexels& map_;
   Traversal traversal_;
-  Flux even_;  // What the darkest texel adds to every result.
+  Flux from_min_radiance_;  // The part of every result that the least radiance adds.
   TileSums sums_{};
   std::array<double, Tile::most> bounds_{};
   std::array<double, channels> guess_{};
@@ -312,8 +318,8 @@ class TileRow {
 }  // namespace
 
 double tile_sine(const Lobe& lobe, double max_error) {
-  // Nodes at the horizon are off by p t^2 times the first slope of the lobe, of a sum that is that slope / ((p + 1)
-  // (p + 2)): they must be small, and a tile sees as many of them as it is wide.
+  // The error of nodes at the horizon is p t^2 times the slope of the lobe there, of a sum of about that slope / ((p +
+  // 1) (p + 2)). So they must be small, and a tile sees as many of them as it is wide.
   if (const auto* sheen = std::get_if<Charlie>(&lobe)) {
     const double p = sheen->power;
     return std::min(0.12, 0.5 * portable::cbrt(max_error / (p * (p + 1) * (p + 2))));
@@ -327,16 +333,16 @@ double nodes_of_output(const Lobe& lobe, double max_error) {
   return 100 / std::visit([](const auto& l) { return l.width(); }, lobe) * finer;
 }
 
-void treecode_map(const Tree& tree, const Hinges* hinges, const TreecodeLobe& lobe, double max_error,
-                  const Making& map) {
-  if (!lobe.has_rest()) return hinge_map(*hinges, lobe.hinges, max_error, tree.mean(), map);
+void treecode_map(const Tree& tree, const PrefixSums* prefix_sums, const TreecodeLobe& lobe, double max_error,
+                  const TargetTexels& map) {
+  if (!lobe.has_rest()) return prefix_sums_map(*prefix_sums, lobe.horizon_terms, max_error, tree.mean(), map);
   const int width = map.out.width(), height = map.out.height();
   for_each_row(map.out.faces(), (height + tile_side - 1) / tile_side, map.progress, [&](int face, int row) {
     const int y = row * tile_side, h = std::min(tile_side, height - y);
     bool any = false;
     for (int j = y; j < y + h; ++j) any = any || map.wants(face, j);
     if (!any) return;
-    TileRow tiles(tree, hinges, lobe, max_error, map);
+    TileRow tiles(tree, prefix_sums, lobe, max_error, map);
     for (int x = 0; x < width; x += tile_side)
       tiles.fill(face, x, y, std::min(tile_side, width - x), h), tree.source().trim();
   });

@@ -1,5 +1,5 @@
 /// @file
-/// Nodes of a tree beside the directions of a tile: what a node may be off in any of them, and what nodes add up to.
+/// Nodes of a tree seen from the directions of a tile: the bound of a node's error in all of them, and sums of nodes.
 ///
 /// Theorem. A node is a measure mu >= 0 on the unit sphere, F its flux, c its centre, D and S the integrals of d - c
 /// and (d - c)(d - c)^T. For a unit vector r, t = r.(d - c) and u0 = r.c, Taylor's series of K in the cosine gives
@@ -16,12 +16,12 @@
 ///   |integral of t^3| <= s^3 tangent3 + 3 s^2 tangent4^2 radial2 + 3 s tangent2 radial4^2 + radial2 radial4^2.
 ///
 /// Where the horizon cuts the node, only the rests hold whose derivatives are bounded there (TreecodeLobe::smooth). Of
-/// Phong's lobe k u^m with 1 < m < 2, K + K' t is off by at most k E|t|^m <= k t2^m, as |a^(m-1) - b^(m-1)| <=
-/// |a - b|^(m-1). And K always lies between its extremes: half of their distance is the bound of their middle.
+/// Phong's lobe k u^m with 1 < m < 2, the error of K + K' t is at most k E|t|^m <= k t2^m, as |a^(m-1) - b^(m-1)| <= |a
+/// - b|^(m-1). And K always lies between its extremes: half of their distance is the bound of their middle.
 ///
-/// To each bound comes what rounding to float may add, by counting operations. What the logarithms and powers of
-/// lobe_lanes-inl.h are off by is stated there. No errors are taken to cancel: the bound of a sum is
-/// the sum of the bounds. tests/unit/treecode_bound_test.cpp holds every step against random nodes.
+/// Each bound includes the rounding to float, derived by counting operations; fast_math-inl.h states the error of
+/// logarithms and powers. No step assumes that errors cancel: the bound of a sum is the sum of the bounds.
+/// tests/unit/treecode_bound_test.cpp holds every step against random nodes.
 #pragma once
 
 #include <array>
@@ -39,36 +39,36 @@ struct Tile {
   static constexpr std::size_t most = 64;
   std::size_t count = 0;
   Direction middle;                             ///< A unit vector.
-  double cosine, sine;                          ///< Of the angle from the middle that no direction exceeds.
-  alignas(64) std::array<float, most> x, y, z;  ///< Of directions from the middle; the last one repeats.
+  double cosine, sine;                          ///< The angle from the middle that no direction exceeds.
+  alignas(64) std::array<float, most> x, y, z;  ///< Directions less the middle. The last direction repeats.
 
-  /// @param directions one at least. One only where they do not have a middle.
+  /// @param directions at least one; a single one where they have no middle.
   explicit Tile(std::span<const Direction> directions);
 };
 
 /// How a node is summed.
 enum class Form : unsigned char {
-  taylor,  ///< By K, K' and K''.
-  linear,  ///< By K and K'.
-  even,    ///< As if K were even over it, but for a line.
+  taylor,    ///< K is replaced by its Taylor series to the second order.
+  linear,    ///< K is replaced by its Taylor series to the first order.
+  constant,  ///< K is replaced by the middle of its range, less a line.
 };
 
 /// The bounds of a group of nodes.
-struct Judged {
-  unsigned visible = 0;  ///< Above the horizon of some direction; a bit each.
+struct NodeBounds {
+  unsigned visible = 0;  ///< A bit for each node that is above the horizon of some direction.
   std::array<Form, 16> form;
-  alignas(64) NodeGroup::Lanes bound;  ///< What a node is off in any direction of the tile, per unit of flux, at most.
-  alignas(64) NodeGroup::Lanes even, line;  ///< Form::even: K = even - line x cosine.
+  alignas(64) NodeGroup::Lanes bound;           ///< Bound of the error in all directions of the tile, per unit of flux.
+  alignas(64) NodeGroup::Lanes constant, line;  ///< Form::constant: K = constant - line x cosine.
 };
-void judge(const TreecodeLobe& lobe, const Tile& tile, const NodeGroup& nodes, Judged& out);
+void bound_nodes(const TreecodeLobe& lobe, const Tile& tile, const NodeGroup& nodes, NodeBounds& out);
 
-/// A node that was good enough.
+/// A node whose bound was small enough, with its constants of NodeBounds.
 struct Accepted {
   const TreeNode* node;
-  float even, line;
+  float constant, line;
 };
 
-/// Nodes by form.
+/// The nodes of a tile by form.
 struct NodeSums {
   std::array<std::vector<Accepted>, 3> by_form;
   std::vector<Accepted>& of(Form f) { return by_form[std::size_t(f)]; }
@@ -79,7 +79,7 @@ struct NodeSums {
   }
 };
 
-/// Sums of nodes in each direction of a tile, each channel.
+/// Sums of nodes, for each channel and each direction of a tile.
 using TileSums = std::array<std::array<double, Tile::most>, channels>;
 void evaluate(const TreecodeLobe& lobe, const NodeSums& nodes, const Tile& tile, TileSums& out);
 
