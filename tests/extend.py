@@ -133,8 +133,6 @@ struct Veil {
   [[nodiscard]] double rate(double x) const { return x < 1 ? (3 - 2 * x) / ((1 - x) * (2 - x)) : 0; }
   [[nodiscard]] double peak() const { return 0; }
   [[nodiscard]] double width() const { return 0.5; }
-  [[nodiscard]] bool convex() const { return true; }
-  [[nodiscard]] bool breaks_off() const { return false; }
   [[nodiscard]] double kink() const { return scale; }
 };
 
@@ -142,11 +140,11 @@ struct Veil {
 VEIL_VALUE = '''
 template <class D, class V>
 HWY_INLINE V value(const Veil& l, D d, V x) {
-  const V t = hn::Max(hn::Zero(d), hn::Sub(set(d, 1), x));
-  return hn::Mul(set(d, l.scale), hn::Mul(t, hn::Add(set(d, 1), t)));
+  const V t = hn::Max(hn::Zero(d), hn::Sub(broadcast(d, 1), x));
+  return broadcast(d, l.scale) * (t * (broadcast(d, 1) + t));
 }
 '''
-VEIL_RATE = '''HWY_INLINE V rate(const Veil&, V x) {
+VEIL_RATE = '''HWY_INLINE V log_slope(const Veil&, V x) {
   const D d;
   const V t = hn::Sub(hn::Set(d, 1), x), more = hn::Add(t, hn::Set(d, 1));
   return hn::Div(hn::Add(more, t), hn::Mul(t, more));
@@ -158,9 +156,9 @@ VEIL_REST = '''
 template <>
 struct Rest<Veil> {
   explicit Rest(const Veil&) {}
-  HWY_INLINE Taylor taylor(V) const { return {number(0), number(0), number(0)}; }
+  HWY_INLINE Taylor taylor(V) const { return {broadcast(0), broadcast(0), broadcast(0)}; }
   HWY_INLINE Bounds over(V, V, hn::Mask<LaneTag>) const {
-    const V none = number(0);
+    const V none = broadcast(0);
     return {none, none, none, none, none, none, none, none, none};
   }
 };
@@ -177,8 +175,8 @@ def add_lobe(copy):
     at.change(prefilter + 'exact/exact_kernels.cpp', r'^HWY_INLINE V square_of\(', lambda m: VEIL_RATE + m[0])
     at.change(prefilter + 'lobe_in_rectangle.cpp', r'^ENVMAP_ROUND\(Cube, Charlie\);', r'\g<0>\nENVMAP_ROUND(Latlong, Veil);\nENVMAP_ROUND(Cube, Veil);')
     at.change(prefilter + 'treecode/lobe_bounds-inl.h', r'^}  // namespace HWY_NAMESPACE', lambda m: VEIL_REST + m[0])
-    at.change(prefilter + 'prefix_sums/prefix_sums.cpp', r'^std::optional<HingePolynomial> hinge_polynomial\(const Lobe& lobe\) \{\n',
-              r'\g<0>  if (std::holds_alternative<Veil>(lobe)) return HingePolynomial{{Veil::scale, Veil::scale, 0}};\n')
+    at.change(prefilter + 'prefix_sums/prefix_sums.cpp', r'^std::optional<ClampedCosinePolynomial> clamped_cosine_polynomial\(const Lobe& lobe\) \{\n',
+              r'\g<0>  if (std::holds_alternative<Veil>(lobe)) return ClampedCosinePolynomial{{Veil::scale, Veil::scale, 0}};\n')
     at.change(prefilter + 'prefilter.h', r'(enum class Shape \{[^}]*)\}', r'\1, veil}')
     at.change(prefilter + 'prefilter.h', r'(shape_names\[\] = \{[^}]*)\}', r'\1, Veil::name}')
     at.change(prefilter + 'prefilter.cpp', r'if \(p\.shape == Shape::diffuse\) \{', r'if (p.shape == Shape::diffuse || p.shape == Shape::veil) {')

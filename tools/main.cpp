@@ -27,17 +27,17 @@ int main(int argc, char** argv) {
     if (argc > 1 && std::ranges::any_of(commands(), is_meant)) who += " " + std::string(argv[1]);
     parse({argv + 1, argv + argc}, parsed);
     status = run(parsed);
-  } catch (const Asked& asked) {
+  } catch (const HelpRequested& asked) {
     std::fputs(asked.text.c_str(), stdout);
   } catch (const envmap::Error& e) {
-    return complain(who, words_of(e, parsed.options), status_of(e.code()));
+    return report_error(who, words_of(e, parsed.options), status_of(e.code()));
   } catch (const std::bad_alloc&) {
     const bool sized = parsed.options.has("--size");
-    return complain(who, sized ? "not enough memory: choose a smaller --size" : "not enough memory", not_written);
+    return report_error(who, sized ? "not enough memory: choose a smaller --size" : "not enough memory", not_written);
   } catch (const std::exception& e) {
-    return complain(who, fmt::format("{} (this is a fault of envmap: please report it)", e.what()), bad_input);
+    return report_error(who, fmt::format("{} (this is a fault of envmap: please report it)", e.what()), bad_input);
   }
   if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
-    return complain(who, "standard output: not written", not_written);
+    return report_error(who, "standard output: not written", not_written);
   return status;
 }

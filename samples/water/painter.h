@@ -17,7 +17,7 @@ class Painter {
         maps_(pool.scene, {make_mirror(pool.scene, pool.water_node, envmap::Projection::paraboloid)}) {}
 
   /// The picture through from.lens, of the pool as it is now.
-  std::vector<Colour> paint(const envmap::Viewpoint& from, envmap::Shot shot) {
+  std::vector<Colour> paint(const envmap::Viewpoint& from, envmap::FrameState shot) {
     for (const int mesh : {pool_.water, pool_.floor}) renderer_.update(pool_.scene, mesh);
     const double pixel = 2 * from.lens->tangents.y / from.size;
     maps_.update(renderer_, shot, {{.at = from.at, .pixel = pixel}}, {.bounces = 1, .all = true});

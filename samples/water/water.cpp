@@ -74,7 +74,7 @@ void run(const Settings& s) {
   std::optional<Context> context;
   std::optional<Painter> painter;
   if (s.method == "maps") context.emplace(ContextKind::automatic), painter.emplace(pool, &sky);
-  const Shot shot{.scene = pool.scene, .pose = pose(pool.scene, 0), .environment = &sky, .distant = lights};
+  const FrameState shot{.scene = pool.scene, .pose = pose(pool.scene, 0), .environment = &sky, .distant = lights};
   for (int frame = 0; frame < s.first + s.frames; ++frame) {
     let_fall(field, s, frame);
     for (int k = 0; k < s.steps; ++k) field.step(s.spring, 1 - s.damping);

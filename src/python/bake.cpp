@@ -25,7 +25,7 @@ std::vector<std::string> bake_map(const Map& map, const std::string& engine, con
                 .write = {.clamp = clamp, .commit = {.force = force}}};
   if (depth) o.write.depth = depth_of(*depth);
   const Engine& wanted = engine_named(engine);
-  carry_out(progress, [=, &wanted](const Run& run) { bake(map->clone(), wanted, folder, o, run); });
+  run_operation(progress, [=, &wanted](const Run& run) { bake(map->clone(), wanted, folder, o, run); });
   return files_of(wanted);
 }
 

@@ -69,7 +69,7 @@ class Work {
  public:
   // ---- the task's thread ----
 
-  void carry_out(const std::function<void(const envmap::Run&)>& task, bool tells) {
+  void run_operation(const std::function<void(const envmap::Run&)>& task, bool tells) {
     std::exception_ptr thrown;
     try {
       envmap::Run run{.stop = stop_.get_token()};
@@ -177,7 +177,7 @@ bool wait_for(Work& work, const py::object& progress, Raised& raised) {
 
 void run_task(const py::object& progress, std::function<void(const envmap::Run&)> task) {
   const auto work = std::make_shared<Work>();
-  std::thread thread([work, task = std::move(task), tells = !progress.is_none()] { work->carry_out(task, tells); });
+  std::thread thread([work, task = std::move(task), tells = !progress.is_none()] { work->run_operation(task, tells); });
   ++running;
   Raised raised;
   if (wait_for(*work, progress, raised)) {

@@ -20,7 +20,7 @@ void run_task(const pybind11::object& progress, std::function<void(const envmap:
 
 /// The same of a function with a result. @param task takes a Run, or nothing where it has no use for one.
 template <class F>
-auto carry_out(const pybind11::object& progress, F task) {
+auto run_operation(const pybind11::object& progress, F task) {
   constexpr bool takes_run = std::is_invocable_v<F&, const envmap::Run&>;
   const auto call = [task = std::move(task)](const envmap::Run& run) mutable {
     if constexpr (takes_run)
@@ -41,8 +41,8 @@ auto carry_out(const pybind11::object& progress, F task) {
 
 /// The same of a task that does not tell how far it is.
 template <class F>
-auto carry_out(F task) {
-  return carry_out(pybind11::none(), std::move(task));
+auto run_operation(F task) {
+  return run_operation(pybind11::none(), std::move(task));
 }
 
 /// Adds before_fork(), which a process that forks calls.

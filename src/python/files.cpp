@@ -36,7 +36,7 @@ py::tuple found(Source&& s, const std::string& space) {
 }
 
 py::tuple read_file(const std::string& path, const ReadOptions& o, const py::object& progress) {
-  return found(carry_out(progress, [=](const Run& run) { return read(path, o, run); }), o.colour.space);
+  return found(run_operation(progress, [=](const Run& run) { return read(path, o, run); }), o.colour.space);
 }
 
 // The bytes are copied: a call that a signal ends leaves its task behind.
@@ -44,15 +44,15 @@ py::tuple read_bytes(const py::buffer& file, const ReadOptions& o, const py::obj
   const py::buffer_info bytes = file.request();
   const auto* const first = static_cast<const std::byte*>(bytes.ptr);
   const auto copy = std::make_shared<const std::vector<std::byte>>(first, first + bytes.size * bytes.itemsize);
-  return found(carry_out(progress, [=](const Run& run) { return read(*copy, o, run); }), o.colour.space);
+  return found(run_operation(progress, [=](const Run& run) { return read(*copy, o, run); }), o.colour.space);
 }
 
 void write_file(const std::string& path, const Map& map, const WriteOptions& o, const py::object& progress) {
-  carry_out(progress, [=](const Run& run) { write(path, *map, o, run); });
+  run_operation(progress, [=](const Run& run) { write(path, *map, o, run); });
 }
 
 py::bytes encode_map(const Map& map, const WriteOptions& o, const py::object& progress) {
-  const std::vector<std::byte> bytes = carry_out(progress, [=](const Run& run) { return encode(*map, o, run); });
+  const std::vector<std::byte> bytes = run_operation(progress, [=](const Run& run) { return encode(*map, o, run); });
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
@@ -79,7 +79,7 @@ py::list pack_map(const Map& map, const std::string& format, const std::string& 
   const PackOptions o{.format = named<PixelFormat>("format", format, pixel_format_names),
                       .orientation = named<FaceOrientation>("orientation", orientation, orientations),
                       .clamp = clamp};
-  const PackedMap packed = carry_out(progress, [=](const Run& run) { return pack(*map, o, run); });
+  const PackedMap packed = run_operation(progress, [=](const Run& run) { return pack(*map, o, run); });
   const py::bytes bytes(reinterpret_cast<const char*>(packed.bytes.data()), packed.bytes.size());
   py::list levels;
   for (int k = 0; k < packed.levels; ++k) {

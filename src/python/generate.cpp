@@ -71,10 +71,10 @@ Map generate_map(const std::string& kind, const std::string& to, int size, const
   const Frame frame(projection_of(to), forward_of(forward));
   if (kind == "atmosphere") {
     const Atmosphere air = atmosphere(parameters);
-    return carry_out([=] { return shared(generate(air, frame, size).map); });
+    return run_operation([=] { return shared(generate(air, frame, size).map); });
   }
   const Pattern wanted = pattern(kind, parameters);
-  return carry_out([=] { return shared(generate(wanted, frame, size)); });
+  return run_operation([=] { return shared(generate(wanted, frame, size)); });
 }
 
 }  // namespace

@@ -32,7 +32,7 @@ py::array_t<double> rows_of(const std::vector<Flux>& values) {
 py::array_t<double> sh(const Map& map, int order, bool irradiance, const std::string& window,
                        const py::object& progress) {
   const auto kind = named<Window>("window", window, window_words);
-  const Harmonics h = carry_out(progress, [=](const Run& run) {
+  const Harmonics h = run_operation(progress, [=](const Run& run) {
     Harmonics found = project(*map, order, run);
     apply(kind, found);
     if (irradiance) scale_degrees(found, irradiance_factors(order));
@@ -44,7 +44,7 @@ py::array_t<double> sh(const Map& map, int order, bool irradiance, const std::st
 py::array_t<float> table_of(const std::string& lobe, int size, const py::object& progress) {
   const Shape shape = shape_of(lobe);
   if (shape != Shape::ggx && shape != Shape::charlie) throw UsageError("a table is of the lobe ggx or charlie");
-  const std::vector<Colour> table = carry_out(progress, [=](const Run& run) {
+  const std::vector<Colour> table = run_operation(progress, [=](const Run& run) {
     return shape == Shape::ggx ? brdf_table(size, run) : sheen_table(size, run);
   });
   return py::array_t<float>({py::ssize_t{size}, py::ssize_t{size}, py::ssize_t{3}}, &table.front().x);
@@ -60,7 +60,7 @@ std::vector<Direction> directions_in(const py::array_t<T, py::array::c_style>& a
 
 py::array_t<double> irradiance_at(const Map& map, const Directions& normals) {
   const auto all = std::make_shared<std::vector<Direction>>(directions_in(normals));
-  return rows_of(carry_out([=](const Run& run) {
+  return rows_of(run_operation([=](const Run& run) {
     std::vector<Flux> light;
     for (const Direction& normal : *all) {
       if (run.stop.stop_requested()) throw Cancelled();
@@ -102,7 +102,7 @@ void lookup(const EnvironmentLookup& look, const py::array_t<T, py::array::c_sty
 }
 
 EnvironmentLookup lookup_of(const Map& map) {
-  return carry_out([=] { return EnvironmentLookup(*map); });
+  return run_operation([=] { return EnvironmentLookup(*map); });
 }
 
 }  // namespace

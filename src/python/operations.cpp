@@ -38,11 +38,11 @@ Map convert_map(const Map& map, const std::optional<std::string>& to, std::optio
                    .gain = gain,
                    .ball = camera_of({ball_distance, ball_fov})};
   if (filter) o.filter = filter_of(*filter);
-  return carry_out(progress, [=](const Run& run) { return shared(convert(*map, o, run)); });
+  return run_operation(progress, [=](const Run& run) { return shared(convert(*map, o, run)); });
 }
 
 Map mipmap(const Map& map, int levels, const std::string& weights) {
-  return carry_out([=, w = weights_of(weights)] {
+  return run_operation([=, w = weights_of(weights)] {
     EnvironmentMap all{.levels = {}, .forward = map->forward};
     all.levels.push_back(map->base().clone());
     add_levels(all.levels, w, levels);
@@ -52,7 +52,7 @@ Map mipmap(const Map& map, int levels, const std::string& weights) {
 
 // @return the map, and how many texels were changed.
 std::pair<Map, std::int64_t> repair_map(const Map& map) {
-  return carry_out([=] {
+  return run_operation([=] {
     EnvironmentMap sound = map->clone();
     std::int64_t changed = 0;
     for (Level& level : sound.levels) changed += repair(level);
@@ -66,7 +66,7 @@ py::tuple tuple_of(const Difference& d, int level, py::list levels) {
 }
 
 py::tuple compare_maps(const Map& a, const Map& b) {
-  const MapDifference all = carry_out([=] { return compare(*a, *b); });
+  const MapDifference all = run_operation([=] { return compare(*a, *b); });
   py::list levels;
   for (std::size_t k = 0; k < all.levels.size(); ++k) levels.append(tuple_of(all.levels[k], int(k), py::list()));
   return tuple_of(all, all.worst_level, levels);
@@ -75,7 +75,7 @@ py::tuple compare_maps(const Map& a, const Map& b) {
 py::dict measures_of(const Map& map, const Triple& towards) {
   using namespace py::literals;
   const Direction normal = direction_of("towards", towards);
-  const auto [m, light] = carry_out([=] { return std::pair{measure(*map), irradiance(*map, normal)}; });
+  const auto [m, light] = run_operation([=] { return std::pair{measure(*map), irradiance(*map, normal)}; });
   return py::dict("minimum"_a = tuple(m.minimum), "maximum"_a = tuple(m.maximum), "mean"_a = tuple(m.mean),
                   "flux"_a = tuple(m.flux), "solid_angle"_a = m.solid_angle, "darkest"_a = m.darkest,
                   "brightest"_a = m.brightest, "brightest_index"_a = index_of(m.brightest_texel),
@@ -97,7 +97,7 @@ py::array_t<float> picture_of(const Map& map, const std::string& lens, double fo
                             .rotation = rotation(rotate[0], rotate[1], rotate[2]),
                             .gain = gain};
   const std::vector<Colour> pixels =
-      carry_out(progress, [=](const Run& run) { return photograph(map->clone(), o, run); });
+      run_operation(progress, [=](const Run& run) { return photograph(map->clone(), o, run); });
   return py::array_t<float>({py::ssize_t{height}, py::ssize_t{width}, py::ssize_t{3}}, &pixels.front().x);
 }
 

@@ -44,7 +44,7 @@ py::tuple prefilter_map(const Map& map, const std::string& lobe, const Parameter
       size.value_or(wanted.shape == Shape::diffuse ? matching_size(Projection::cube, 64, wanted.to)
                                                    : matching_size(map->projection(), map->base().height(), wanted.to));
   PrefilteredChain chain =
-      carry_out(progress, [=](const Run& run) { return PrefilterSource(*map).make_chain(wanted, levels, run); });
+      run_operation(progress, [=](const Run& run) { return PrefilterSource(*map).make_chain(wanted, levels, run); });
   double error = 0;
   std::int64_t exact = 0;
   for (const Prefiltered& level : chain.levels) {

@@ -57,7 +57,7 @@ py::tuple render_map(const std::string& file, const std::string& to, const Place
                   .context = named<ContextKind>("context", context, context_names)};
   if (ambient) o.ambient = Colour(direction(*ambient));
   look_towards(forward, o);
-  RenderedMap made = carry_out(progress, [=](const Run& run) { return render(file, o, environment.get(), run); });
+  RenderedMap made = run_operation(progress, [=](const Run& run) { return render(file, o, environment.get(), run); });
   return py::make_tuple(shared(std::move(made.map)), made.remarks);
 }
 
@@ -111,7 +111,7 @@ py::tuple view_scene(const std::string& file, const Place& camera, const std::op
                 .context = named<ContextKind>("context", context, context_names)};
   if (look_at) o.look_at = direction(*look_at);
   if (ambient) o.ambient = Colour(direction(*ambient));
-  return tuple_of(carry_out(progress, [=](const Run& run) { return view(file, o, environment.get(), run); }));
+  return tuple_of(run_operation(progress, [=](const Run& run) { return view(file, o, environment.get(), run); }));
 }
 
 }  // namespace

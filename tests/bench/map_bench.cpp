@@ -151,7 +151,7 @@ std::vector<Case> cases(int largest) {
   return all;
 }
 
-void measure(Case& c, Renderer& renderer, const Shot& shot, double tree) {
+void measure(Case& c, Renderer& renderer, const FrameState& shot, double tree) {
   if (c.method == DrawMethod::raycast) {
     c.whole = std::min(c.whole, seconds_each([&] { raycast(shot, c.from); }));
     c.draw = std::max(0.0, c.whole - tree);
@@ -169,7 +169,7 @@ void measure(Case& c, Renderer& renderer, const Shot& shot, double tree) {
 }
 
 void run(const Scene& scene, int largest, int rounds) {
-  const Shot shot{.scene = scene, .pose = pose(scene, 0), .ambient = Colour(1)};
+  const FrameState shot{.scene = scene, .pose = pose(scene, 0), .ambient = Colour(1)};
   std::optional<Renderer> renderer;
   const double upload = seconds([&] { renderer.emplace(scene, nullptr), glFinish(); });
   std::vector<Case> all = cases(largest);

@@ -20,7 +20,7 @@ namespace {
 
 using namespace envmap;
 
-Drawn once(Renderer& renderer, const Viewpoint& from, const Shot& shot, DrawMethod method) {
+Drawn once(Renderer& renderer, const Viewpoint& from, const FrameState& shot, DrawMethod method) {
   return method == DrawMethod::raycast ? raycast(shot, from) : draw(renderer, from, shot, method);
 }
 
@@ -28,7 +28,7 @@ void measure(benchmark::State& state, DrawMethod method, Projection to) {
   static Context context(ContextKind::osmesa);
   const Scene scene = rooms::room(int(state.range(0)));
   Renderer renderer(scene, nullptr);
-  const Shot shot{scene, pose(scene, 0)};
+  const FrameState shot{scene, pose(scene, 0)};
   const Viewpoint from{.to = to, .size = int(state.range(1)), .at = {0.1, -0.2, 0.15}, .axes = rotation(20, 30, 40)};
   const rooms::Faults faults = rooms::judge(once(renderer, from, shot, method), from);
   MapTexture map(from.to, from.size);
@@ -64,7 +64,7 @@ void measure_view(benchmark::State& state, Projection to) {
   for (const Mirror& mirror : found) nodes.push_back(mirror.node);
   Renderer renderer(scene, nullptr, nodes);
   Mirrors mirrors(scene, found);
-  Shot shot{scene, pose(scene, 0)};
+  FrameState shot{scene, pose(scene, 0)};
   const Viewpoint from{.size = 240, .at = {0.1, 0.05, 0.95}, .lens = Lens{320, {0.8, 0.6}, 0}};
   for (auto _ : state) {
     shot.pose[std::size_t(nodes.front())][3].z += 1e-3;

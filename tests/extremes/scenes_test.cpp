@@ -21,7 +21,7 @@ namespace {
 
 using namespace envmap;
 
-Drawn drawn(const Shot& shot, const Viewpoint& from, bool by_rays) {
+Drawn drawn(const FrameState& shot, const Viewpoint& from, bool by_rays) {
   if (by_rays) return raycast(shot, from);
   drawing::context();
   Renderer renderer(shot.scene, shot.environment);

@@ -38,11 +38,17 @@ std::vector<Operation> operations() {
       {"ggx .1", lobe(Shape::ggx, 0.1, 1024, 1e-5)},
       {"phong 20", lobe(Shape::phong, 20, 1024, 1e-5)},
       {"a chosen filter",
-       [](const Run& run) { (void)Resampler(sky, {.to = Projection::octahedral, .size = 2000, .max_error = 1e-7}, run); }},
-      {"area", [](const Run& run) { (void)convert(sky, {.to = Projection::sphere, .size = 2000, .filter = Filter::area}, run); }},
+       [](const Run& run) {
+         (void)Resampler(sky, {.to = Projection::octahedral, .size = 2000, .max_error = 1e-7}, run);
+       }},
+      {"area",
+       [](const Run& run) {
+         (void)convert(sky, {.to = Projection::sphere, .size = 2000, .filter = Filter::area}, run);
+       }},
       {"a sky", [](const Run& run) { (void)generate(Atmosphere{}, Projection::latlong, 1024, run); }},
       {"harmonics", [](const Run& run) { (void)project(sky, 200, run); }},
-      {"a series", [](const Run& run) {
+      {"a series",
+       [](const Run& run) {
          static const Harmonics h = project(sky, 60);
          (void)evaluate(h, Projection::latlong, 2048, Forward::plus_z, run);
        }},
@@ -82,7 +88,8 @@ TEST(Cancel, EndsACallThatWaitsForItsTurn) {
   std::stop_source first, second;
   std::thread working([&] {
     try {
-      (void)source.make({.shape = Shape::ggx, .parameter = 0.3, .size = 1024, .max_error = 1e-5}, {.stop = first.get_token()});
+      (void)source.make({.shape = Shape::ggx, .parameter = 0.3, .size = 1024, .max_error = 1e-5},
+                        {.stop = first.get_token()});
     } catch (const Cancelled&) {
     }
   });
@@ -112,7 +119,8 @@ TEST(Cancel, LeavesOthersAlone) {
   std::stop_source button;
   std::thread stopped([&] {
     try {
-      (void)convert(sky, {.to = Projection::sphere, .size = 1000, .filter = Filter::area}, {.stop = button.get_token()});
+      (void)convert(sky, {.to = Projection::sphere, .size = 1000, .filter = Filter::area},
+                    {.stop = button.get_token()});
     } catch (const Cancelled&) {
     }
   });

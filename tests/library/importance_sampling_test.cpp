@@ -20,12 +20,15 @@ EnvironmentMap scene(const Frame& frame) {
 
 // Where a direction lies among cells of equal solid angle: 8 bands of height, 16 of azimuth.
 std::size_t cell_of(const Direction& d) {
-  const int band = std::min(7, int((d.y + 1) * 4)), sector = std::min(15, int((std::atan2(d.x, d.z) + pi) / (2 * pi) * 16));
+  const int band = std::min(7, int((d.y + 1) * 4)),
+            sector = std::min(15, int((std::atan2(d.x, d.z) + pi) / (2 * pi) * 16));
   return std::size_t(band * 16 + sector);
 }
 
-const Frame frames[] = {{Projection::latlong, Forward::plus_x}, {Projection::cube}, {Projection::octahedral},
-                            {Projection::sphere}};
+const Frame frames[] = {{Projection::latlong, Forward::plus_x},
+                        {Projection::cube},
+                        {Projection::octahedral},
+                        {Projection::sphere}};
 
 TEST(ImportanceSampling, DensityIntegratesToOneAndFollowsTheLight) {
   for (const Frame& frame : frames) {
@@ -36,8 +39,9 @@ TEST(ImportanceSampling, DensityIntegratesToOneAndFollowsTheLight) {
     for (int j = 0; j < rows; ++j)
       for (int i = 0; i < 2 * rows; ++i) {
         const double polar = pi * (j + 0.5) / rows, azimuth = pi * (i + 0.5) / rows;
-        all += sampler.pdf({std::sin(polar) * std::sin(azimuth), std::cos(polar), std::sin(polar) * std::cos(azimuth)}) *
-               std::sin(polar) * (pi / rows) * (pi / rows);
+        all +=
+            sampler.pdf({std::sin(polar) * std::sin(azimuth), std::cos(polar), std::sin(polar) * std::cos(azimuth)}) *
+            std::sin(polar) * (pi / rows) * (pi / rows);
       }
     EXPECT_NEAR(all, 1, 2e-3) << name(frame.projection);
     EXPECT_GT(sampler.pdf({2, 4, -1}), 0.5 / (4 * pi * std::pow(std::sin(pi / 180 * 6), 2))) << name(frame.projection);

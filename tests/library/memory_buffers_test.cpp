@@ -57,8 +57,7 @@ struct Image {
 };
 
 TEST(Buffers, OfEveryTypeAndStrideBecomeMaps) {
-  for (const ChannelType type :
-       {ChannelType::float32, ChannelType::float16, ChannelType::uint8, ChannelType::uint16})
+  for (const ChannelType type : {ChannelType::float32, ChannelType::float16, ChannelType::uint8, ChannelType::uint16})
     for (const int channels : {1, 3, 4})
       for (const int gap : {0, 2})
         for (const bool bottom_up : {false, true}) {
@@ -93,11 +92,17 @@ TEST(Buffers, ComeBackAsTheyWere) {
       if (p != Projection::cube && layout != Layout::column) continue;
       const std::optional<Layout> chosen = p == Projection::cube ? std::optional(layout) : std::nullopt;
       const bool cube = p == Projection::cube;
-      const int across = !cube ? (p == Projection::latlong || p == Projection::paraboloid ? 2 : 1)
-                         : layout == Layout::column ? 1 : layout == Layout::row ? 6 : layout == Layout::cross ? 4 : 3;
-      const int down = !cube ? 1
-                       : layout == Layout::column ? 6 : layout == Layout::row ? 1 : layout == Layout::cross ? 3
-                       : layout == Layout::vcross ? 4 : 2;
+      const int across = !cube                      ? (p == Projection::latlong || p == Projection::paraboloid ? 2 : 1)
+                         : layout == Layout::column ? 1
+                         : layout == Layout::row    ? 6
+                         : layout == Layout::cross  ? 4
+                                                    : 3;
+      const int down = !cube                      ? 1
+                       : layout == Layout::column ? 6
+                       : layout == Layout::row    ? 1
+                       : layout == Layout::cross  ? 3
+                       : layout == Layout::vcross ? 4
+                                                  : 2;
       std::vector<float> floats(std::size_t(4 * 12 * across * 12 * down));
       const MutablePixelBuffer out{.pixels = reinterpret_cast<std::byte*>(floats.data()),
                                    .width = 12 * across,
@@ -154,7 +159,8 @@ TEST(Buffers, ThatCannotBeAreRefused) {
   const EnvironmentMap map = generate(Constant{}, Projection::latlong, 2);
   std::vector<std::byte> memory(1000);
   for (const auto& [width, height, level] : {std::tuple{5, 2, 0}, {4, 1, 0}, {4, 2, 1}, {4, 2, -1}})
-    EXPECT_THROW(copy_to(map, {.pixels = memory.data(), .width = width, .height = height}, {.level = level}), UsageError);
+    EXPECT_THROW(copy_to(map, {.pixels = memory.data(), .width = width, .height = height}, {.level = level}),
+                 UsageError);
   EXPECT_THROW(copy_to(map, {.pixels = memory.data(), .width = 4, .height = 2}, {.layout = Layout::row}), UsageError);
 }
 

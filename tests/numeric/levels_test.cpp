@@ -48,8 +48,8 @@ TEST_P(EachLevels, KeepWhiteWhiteDownToOneTexel) {
   for (const Level& plain : levels) {
     const PaddedLevel level(plain);
     for (int f = 0; f < level.faces(); ++f)
-      for (int j = -Level::apron; j < level.height() + Level::apron; ++j)
-        for (int i = -Level::apron; i < level.width() + Level::apron; ++i) {
+      for (int j = -Level::padding; j < level.height() + Level::padding; ++j)
+        for (int i = -Level::padding; i < level.width() + Level::padding; ++i) {
           const float x = level.texel(f, i, j)->x;
           if (x != 0 || !on_disc(GetParam())) {
             EXPECT_NEAR(x, 1, 1e-6) << level.height() << ": " << i << "," << j;

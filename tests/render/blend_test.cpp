@@ -72,7 +72,7 @@ Viewpoint camera(int samples) {
 // But beside the lines where cards pass through each other.
 TEST(Blended, PicturesAreTheSumOfLayers) {
   const Scene scene = stack();
-  const Shot shot{.scene = scene, .pose = pose(scene, 0)};
+  const FrameState shot{.scene = scene, .pose = pose(scene, 0)};
   drawing::context();
   Renderer renderer(scene, nullptr);
   for (const int samples : {1, 4}) {
@@ -94,7 +94,7 @@ TEST(Blended, PicturesAreTheSumOfLayers) {
 
 TEST(Blended, MapsAreTheSumOfLayersByAllMethods) {
   const Scene scene = stack();
-  const Shot shot{.scene = scene, .pose = pose(scene, 0)};
+  const FrameState shot{.scene = scene, .pose = pose(scene, 0)};
   drawing::context();
   Renderer renderer(scene, nullptr);
   for (const DrawMethod method : {DrawMethod::exact, DrawMethod::distort, DrawMethod::raycast}) {
@@ -123,7 +123,7 @@ TEST(Blended, WhiteInWhiteIsNotSeen) {
   Scene scene;
   small_scenes::add(scene, rooms::ball(24, 1),
                     {.base_colour = {1, 1, 1, 0.5F}, .roughness = 0.6F, .blended = true, .double_sided = true});
-  const Shot shot{.scene = scene, .pose = pose(scene, 0), .environment = &white};
+  const FrameState shot{.scene = scene, .pose = pose(scene, 0), .environment = &white};
   drawing::context();
   Renderer renderer(scene, &white);
   for (const auto& picture : {draw_picture(renderer, camera(1), shot), raycast_picture(shot, camera(1), {})})
@@ -139,7 +139,7 @@ TEST(Blended, CardsCastShadowsWhereTheyCoverHalf) {
     small_scenes::add(scene, small_scenes::square(0.4F), card, glm::translate(Matrix(1), Direction(0.6, 1, 0)));
     small_scenes::add(scene, {.kind = PunctualLight::Kind::directional, .intensity = Colour(3)}, {0, 0, 0},
                       {-0.6, -1, 0});
-    const Shot shot{.scene = scene, .pose = pose(scene, 0)};
+    const FrameState shot{.scene = scene, .pose = pose(scene, 0)};
     const View view = looking_at({.at = {-1, 2, 2}}, Direction(0));  // Past the card.
     const Viewpoint from{.size = 1, .at = view.at, .axes = view.axes, .lens = Lens{1, {0.01, 0.01}, 0}};
     drawing::context();

@@ -63,7 +63,7 @@ struct Judged {
 Judged judged(const Scene& scene, const Viewpoint& from, DrawMethod method) {
   drawing::context();
   Renderer renderer(scene, nullptr);
-  const Shot shot{scene, pose(scene, 0)};
+  const FrameState shot{scene, pose(scene, 0)};
   const Drawn map = draw(renderer, from, shot, method), truth = raycast(shot, from);
   return {compare(map.radiance.base(), truth.radiance.base()).rms, map.missing_solid_angle};
 }
@@ -171,7 +171,7 @@ TEST_P(Distort, ObjectFilesHaveTwoSides) {
   drawing::context();
   const Viewpoint from = inside(to());
   Renderer renderer(read, nullptr);
-  const Shot shot{.scene = read, .pose = pose(read, 0), .ambient = Colour(1)};
+  const FrameState shot{.scene = read, .pose = pose(read, 0), .ambient = Colour(1)};
   const Drawn map = draw(renderer, from, shot, method()), truth = raycast(shot, from);
   EXPECT_LT(compare(map.radiance.base(), truth.radiance.base()).rms, 0.15);
 }

@@ -210,7 +210,7 @@ TEST(DrawMethods, FollowTheMeasuredTimes) {
 TEST(DrawMethods, ShadowMapsOfTheProcessorCostMoreThanRaysOfASmallMap) {
   Scene scene = small_scenes::still_life();
   small_scenes::add(scene, {.kind = PunctualLight::Kind::point, .intensity = Colour(9)}, {-0.8, 2, 0.7}, {0, -1, 0});
-  Shot shot{.scene = scene, .pose = pose(scene, 0)};
+  FrameState shot{.scene = scene, .pose = pose(scene, 0)};
   const DrawLoad lamp = draw_load(shot);
   EXPECT_EQ(lamp.lights, 1);
   EXPECT_EQ(lamp.shadow_texels, 6 * 1024 * 1024);

@@ -69,7 +69,7 @@ std::vector<Colour> drawn(const Scene& scene, const Viewpoint& from, int bounces
   const std::vector<Mirror> found = find_mirrors(scene, Projection::paraboloid);
   Renderer renderer(scene, nullptr, nodes_of(found));
   Mirrors mirrors(scene, found);
-  Shot shot{.scene = scene, .pose = pose(scene, 0), .look = {.pictures = bounces}};
+  FrameState shot{.scene = scene, .pose = pose(scene, 0), .look = {.pictures = bounces}};
   mirrors.update(renderer, shot, {{.at = from.at, .pixel = 0.013}}, {.size = 32, .bounces = 1});
   shot.mirrors = mirrors.maps();
   return draw_picture(renderer, from, shot);

@@ -65,7 +65,7 @@ std::vector<int> dark_pixels(const Scene& scene, Projection maps, std::optional<
   for (int frame = 0; frame <= 12; ++frame) {
     const double t = frame / 12.0;
     const Viewpoint from = looking(glm::mix(Direction(-1, 0, 6), Direction(1.7, 0.5, 4), t), Direction(0));
-    Shot shot{.scene = scene, .pose = pose(scene, 0), .environment = ambient ? nullptr : &white()};
+    FrameState shot{.scene = scene, .pose = pose(scene, 0), .environment = ambient ? nullptr : &white()};
     if (ambient) shot.ambient = Colour(1);
     drawn.update(renderer, shot, {viewer(from)}, {.bounces = bounces});
     shot.mirrors = drawn.maps();

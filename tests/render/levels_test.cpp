@@ -40,7 +40,7 @@ MapTexture map_of(const Environment& environment, Projection to, int size, int l
   const Scene nothing;
   Renderer renderer(nothing, &environment);
   MapTexture map(to, size, levels);
-  const Shot shot{.scene = nothing, .pose = pose(nothing, 0), .environment = &environment};
+  const FrameState shot{.scene = nothing, .pose = pose(nothing, 0), .environment = &environment};
   renderer.draw_background({.to = to, .size = size}, shot, map);
   renderer.make_levels(map, ~0U);
   return map;
@@ -97,7 +97,7 @@ TEST_P(Levels, OneSampleShowsTheMean) {
   const auto camera = [](int samples) {
     return Viewpoint{.size = size, .at = {0, 0.3, 3}, .samples = samples, .lens = Lens{size, {0.25, 0.25}, 0}};
   };
-  Shot shot{.scene = scene, .pose = pose(scene, 0), .environment = &squares};
+  FrameState shot{.scene = scene, .pose = pose(scene, 0), .environment = &squares};
   const auto rays = [&](int samples) { return raycast_picture(shot, camera(samples), {.mirrors = {0}}); };
   const std::vector<Colour> truth = rays(100), one = rays(1);
   Renderer renderer(scene, &squares, {0});

@@ -163,7 +163,7 @@ const Named skies[] = {{"White", white, 5e-4},
                        {"Sunny", sunny, 0.014},
                        {"Sampled", sampled, 0.03}};
 
-Shot shot_of(const Scene& scene, const Environment& sky) {
+FrameState shot_of(const Scene& scene, const Environment& sky) {
   return {.scene = scene, .pose = pose(scene, 0), .environment = &sky};
 }
 

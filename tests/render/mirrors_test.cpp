@@ -58,7 +58,7 @@ struct Stage {
 
   std::vector<Colour> picture(const MirrorOptions& options = {}, const MirrorLook& look = {}) {
     const Viewpoint from = camera();
-    Shot shot{.scene = scene, .pose = pose(scene, 0)};
+    FrameState shot{.scene = scene, .pose = pose(scene, 0)};
     shot.look = look;
     updates = mirrors->update(*renderer, shot, {viewer(from)}, options).maps;
     shot.mirrors = mirrors->maps();
@@ -161,7 +161,7 @@ struct Outdoors {
   [[nodiscard]] std::vector<Colour> picture(const MirrorLook& look = {}, int samples = 1,
                                             const MirrorOptions& options = {}) {
     Mirrors mirrors(scene, find_mirrors(scene, to));
-    Shot shot{.scene = scene, .pose = pose(scene, 0), .environment = &*sky, .look = look};
+    FrameState shot{.scene = scene, .pose = pose(scene, 0), .environment = &*sky, .look = look};
     mirrors.update(*renderer, shot, {viewer(camera())}, options);
     shot.mirrors = mirrors.maps();
     Viewpoint from = camera();
@@ -250,7 +250,7 @@ TEST_P(EachMirrorMap, WhiteBeforeWhiteHasNoEdge) {
 TEST_P(EachMirrorMap, EdgesBeforeABrightSkyAreInBetween) {
   Outdoors stage(generate(Constant{Direction(100)}, Projection::cube, 16), GetParam(), box_before_the_sky(1));
   const std::vector<Colour> picture = stage.picture();
-  const Shot shot{.scene = stage.scene, .pose = pose(stage.scene, 0), .environment = &*stage.sky};
+  const FrameState shot{.scene = stage.scene, .pose = pose(stage.scene, 0), .environment = &*stage.sky};
   Viewpoint from = camera();
   from.samples = 64;
   const std::vector<Colour> truth = raycast_picture(shot, from, {.mirrors = {6}});
@@ -305,7 +305,7 @@ TEST_P(EachMirrorMap, SmallSunsKeepTheirLight) {
     const Environment sky(std::move(map), 8);
     Renderer renderer(scene, &sky, {6});
     Mirrors mirrors(scene, find_mirrors(scene, GetParam()));
-    const Shot shot{.scene = scene, .pose = pose(scene, 0), .environment = &sky};
+    const FrameState shot{.scene = scene, .pose = pose(scene, 0), .environment = &sky};
     mirrors.update(renderer, shot, {viewer(camera())}, {.size = 64, .all = true});
     const double light = totals(read_back(*mirrors.maps()[0].texture).base()).flux.x;
     const double off = GetParam() == Projection::sphere ? 0.25 : 0.05;
@@ -368,7 +368,7 @@ TEST_P(EachMirrorMap, MapsShowMirrorsToo) {
   const std::vector<Direction> two{{0.3, -0.1, -0.3}, {-0.3, -0.1, -0.3}};
   Stage stage(hall(two), Projection::paraboloid);
   const Viewpoint from{.to = GetParam(), .size = size, .at = two[0], .without = 6};
-  Shot shot{.scene = stage.scene, .pose = pose(stage.scene, 0)};
+  FrameState shot{.scene = stage.scene, .pose = pose(stage.scene, 0)};
   const auto rms = [](const Drawn& a, const Drawn& b) {
     double sum = 0;
     int count = 0;
@@ -549,7 +549,7 @@ TEST(Mirrors, RoughMetalBlursItsMap) {
   EXPECT_EQ(rough.to, Projection::cube);
   Renderer renderer(scene, nullptr, {6});
   Mirrors mirrors(scene, {rough});
-  Shot shot{.scene = scene, .pose = pose(scene, 0)};
+  FrameState shot{.scene = scene, .pose = pose(scene, 0)};
   mirrors.update(renderer, shot, {viewer(camera())}, {.size = 32});
   shot.mirrors = mirrors.maps();
   const std::vector<Colour> picture = draw_picture(renderer, camera(), shot);

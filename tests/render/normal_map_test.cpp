@@ -105,7 +105,7 @@ TEST_P(NormalMap, TiltsTheNormal) {
   small_scenes::add(scene, small_scenes::square(1),
                     {.roughness = 1, .normal_texture = 0, .ior = 1, .double_sided = true}, t.local);
   add_tangents(scene.meshes[0]);
-  const Shot shot{.scene = scene, .pose = pose(scene, 0), .environment = &half()};
+  const FrameState shot{.scene = scene, .pose = pose(scene, 0), .environment = &half()};
   const View view = looking_at({.at = t.eye}, Direction(0));
   const Viewpoint from{.size = 1, .at = t.eye, .axes = view.axes, .lens = Lens{1, {0.01, 0.01}, 0}};
   drawing::context();

@@ -33,7 +33,8 @@ Pictures pictures(const Scene& scene, const Environment* sky, std::span<const Di
                   Colour ambient = Colour(0)) {
   drawing::context();
   Renderer renderer(scene, sky);
-  const Shot shot{.scene = scene, .pose = pose(scene, 0), .environment = sky, .ambient = ambient, .distant = distant};
+  const FrameState shot{
+      .scene = scene, .pose = pose(scene, 0), .environment = sky, .ambient = ambient, .distant = distant};
   return {draw_picture(renderer, camera(), shot), raycast_picture(shot, camera(), {})};
 }
 

@@ -19,7 +19,7 @@ double difference(const Colour& a, const Colour& b) {
 // The wall at z = -1 shines with (p + 1) / 2; the picture is 1.6 by 1.2 metres of it, its middle at (0.1, 0.05).
 TEST(Orthographic, AWallIsSeenWithoutPerspective) {
   const Scene scene = rooms::room(2);
-  const Shot shot{.scene = scene, .pose = pose(scene, 0)};
+  const FrameState shot{.scene = scene, .pose = pose(scene, 0)};
   drawing::context();
   Renderer renderer(scene, nullptr);
   for (const int samples : {1, 4}) {
@@ -38,7 +38,7 @@ TEST(Orthographic, ThingsAreDrawnAsRaysSeeThem) {
   Scene scene = small_scenes::still_life();
   small_scenes::add(scene, {.kind = PunctualLight::Kind::directional, .intensity = Colour(3)}, {0, 0, 0},
                     {0.5, -1, -0.4});
-  const Shot shot{.scene = scene, .pose = pose(scene, 0), .ambient = Colour(0.2F)};
+  const FrameState shot{.scene = scene, .pose = pose(scene, 0), .ambient = Colour(0.2F)};
   const View view = looking_at({.at = {0.8, 2.6, 3.2}}, {0, 0.2, 0});
   const Viewpoint from{.size = 96, .at = view.at, .axes = view.axes, .far = 8, .lens = Lens{96, {1.6, 1.6}, 0, true}};
   drawing::context();

@@ -50,7 +50,7 @@ Scene box(double half, bool inwards = true) {
   return scene;
 }
 
-Shot shot_of(const Scene& scene) { return {.scene = scene, .pose = pose(scene, 0)}; }
+FrameState shot_of(const Scene& scene) { return {.scene = scene, .pose = pose(scene, 0)}; }
 
 // For every texel that carries the map: its number, its ray and its place.
 template <class F>
@@ -196,7 +196,7 @@ TEST(Raycast, ASphereInAWhiteRoomIsInvisibleAndItsNormalsAreSmooth) {
   complete(ball);
   scene.meshes = {ball};
   scene.nodes.push_back({.local = glm::scale(Matrix(1), Direction(1, 2, 0.5)), .meshes = {0}});
-  Shot shot{.scene = scene, .pose = pose(scene, 0), .environment = &white};
+  FrameState shot{.scene = scene, .pose = pose(scene, 0), .environment = &white};
   for (const float metallic : {0.0F, 1.0F}) {
     scene.materials[0].metallic = metallic;
     scene.materials[0].roughness = 0.6F;

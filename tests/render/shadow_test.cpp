@@ -157,7 +157,7 @@ TEST(Shadows, OfAMeshThatChangesAreThoseItHasNow) {
   Scene scene = still_life();
   add(scene, {.kind = Kind::point, .intensity = Colour(9)}, {-0.8, 2, 0.7}, {0, -1, 0});
   Renderer renderer(scene, nullptr);
-  const Shot shot{.scene = scene, .pose = pose(scene, 0)};
+  const FrameState shot{.scene = scene, .pose = pose(scene, 0)};
   const Picture before = draw_picture(renderer, camera(), shot);
   Mesh& ball = scene.meshes[1];
   for (glm::vec3& p : ball.positions) p = 0.8F * p + glm::vec3(-0.9F, 0.2F, 0.6F);
@@ -177,7 +177,7 @@ TEST(Shadows, OfWhatIsLeftOutStay) {
   const Viewpoint from{.to = Projection::cube, .size = 33, .at = {0, 1, 0}, .without = 1};
   drawing::context();
   Renderer renderer(scene, nullptr);
-  const Shot shot{.scene = scene, .pose = pose(scene, 0)};
+  const FrameState shot{.scene = scene, .pose = pose(scene, 0)};
   for (const Drawn& map : {draw(renderer, from, shot, DrawMethod::exact), raycast(shot, from)}) {
     EXPECT_EQ(rooms::colour_at(map, 3 * 33 * 33 + 16 * 33 + 16), Colour(0));
     EXPECT_GT(rooms::colour_at(map, 3 * 33 * 33 + 2 * 33 + 2).x, 0.1F);

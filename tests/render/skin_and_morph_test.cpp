@@ -159,7 +159,7 @@ TEST_F(DeformTest, IsDrawnAsRaysSeeIt) {
   for (const double time : {0.0, 1.0, 0.4}) {
     const Pose now = pose(scene, time);
     for (const int mesh : deform(scene, now, time)) renderer.update(scene, mesh);
-    const Shot shot{.scene = scene, .pose = now, .ambient = Colour(0.2F)};
+    const FrameState shot{.scene = scene, .pose = now, .ambient = Colour(0.2F)};
     const Drawn map = draw(renderer, from, shot, DrawMethod::exact), truth = raycast(shot, from);
     int others = 0, on_tube = 0, farther = 0, darker = 0;
     for (std::size_t k = 0; k < truth.surfaces.size(); ++k) {

@@ -109,7 +109,7 @@ TEST(VisibleDirections, WhatIsOutOfSightNeedsNothing) {
 }
 
 TEST(VisibleDirections, AFlatMirrorTakesOneHalfAndABallTakesAll) {
-  const Shown shown = reflection_bounds({{0, 2, 3}, {}}, plate(1, 0), Matrix(1), {});
+  const VisibleCone shown = reflection_bounds({{0, 2, 3}, {}}, plate(1, 0), Matrix(1), {});
   EXPECT_NEAR(shown.widening, 1, 1e-9);
   const std::vector<DirectionCone>& flat = shown.caps;
   const DirectionCone all = enclosing(flat);

@@ -84,7 +84,7 @@ Viewpoint camera() {
 // By maps and by rays.
 std::vector<std::vector<Colour>> both(const Pool& pool, const Environment* sky) {
   drawing::context();
-  const Shot shot{.scene = pool.scene, .pose = pose(pool.scene, 0), .environment = sky};
+  const FrameState shot{.scene = pool.scene, .pose = pose(pool.scene, 0), .environment = sky};
   return {Painter(pool, sky).paint(camera(), shot), raycast_picture(shot, camera(), {.mirrors = {pool.water_node}})};
 }
 

@@ -40,7 +40,7 @@ TEST_P(EachApron, PaddingLeavesTheSourceAsItWas) {
 // An octahedral map goes on with the texel that lies mirrored along the side about its middle, and beyond a corner with
 // the corner opposite; however small it is.
 TEST(OctahedralApron, IsTheMapItself) {
-  constexpr int g = Level::apron;
+  constexpr int g = Level::padding;
   for (const Projection p : {Projection::octahedral, Projection::equal_area})
     for (const int n : {1, 2, 3, 8}) {
       Level level(p, n);

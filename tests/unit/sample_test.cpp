@@ -78,7 +78,7 @@ TEST_P(EachSampled, BilinearSpanStaysInBounds) {
 // The last four taps of a level end with its last texel.
 TEST(Sample, LastTexelOfALevel) {
   const PaddedLevel level = rough(Projection::paraboloid, 4);
-  const double corner = (4 + Level::apron - 1.5) / 4;
+  const double corner = (4 + Level::padding - 1.5) / 4;
   const std::vector<Location<double>> at{{1, corner, corner}};
   on_every_target([&](const char*) {
     std::vector<Colour> out(1);

@@ -171,13 +171,13 @@ void parse(const std::vector<std::string>& words, Parsed& parsed, Settings& sett
   try {
     app.parse(std::vector<std::string>(words.rbegin(), words.rend()));
   } catch (const CLI::CallForHelp&) {
-    throw Asked{chosen == nullptr ? overview() : help_of(*parsed.command, parsed.options, false)};
+    throw HelpRequested{chosen == nullptr ? overview() : help_of(*parsed.command, parsed.options, false)};
   } catch (const CLI::CallForAllHelp&) {
-    throw Asked{help_of(*parsed.command, parsed.options, true)};
+    throw HelpRequested{help_of(*parsed.command, parsed.options, true)};
   } catch (const CLI::Success& e) {  // --version
     std::ostringstream text;
     app.exit(e, text, text);
-    throw Asked{text.str()};
+    throw HelpRequested{text.str()};
   } catch (const CLI::ParseError& e) {
     throw UsageError(explain(e, app, words, parsed));
   }

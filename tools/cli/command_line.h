@@ -9,7 +9,7 @@
 namespace tools {
 
 /// Thrown where the command line asks for a text and nothing else: --help, --version, a list. The exit status is 0.
-struct Asked {
+struct HelpRequested {
   std::string text;
 };
 
@@ -25,7 +25,7 @@ struct Parsed {
 };
 
 /// @param words without the program's name. @param settings receives the options that every command has.
-/// @throws UsageError in one line, with the word that was probably meant; Asked.
+/// @throws UsageError in one line, with the word that was probably meant; HelpRequested.
 void parse(const std::vector<std::string>& words, Parsed& parsed, Settings& settings = tools::settings());
 
 /// Checks the files that are named, runs the action, writes the depfile and prints the report. @return the exit status.

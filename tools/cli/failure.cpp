@@ -84,7 +84,7 @@ Status status_of(envmap::ErrorCode code) {
   return no_renderer;
 }
 
-int complain(const std::string& who, std::string what, int status) {
+int report_error(const std::string& who, std::string what, int status) {
   std::replace(what.begin(), what.end(), '\n', ' ');
   warn(who + ": " + what);
   return status;

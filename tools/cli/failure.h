@@ -14,6 +14,6 @@ enum Status { done = 0, not_reached = 1, usage = 2, bad_input = 3, not_written =
 std::string words_of(const envmap::Error& error, const Options& options);
 Status status_of(envmap::ErrorCode code);
 /// Prints a line that begins with "envmap COMMAND: ". @return the exit status.
-int complain(const std::string& who, std::string what, int status);
+int report_error(const std::string& who, std::string what, int status);
 
 }  // namespace tools

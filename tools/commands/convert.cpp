@@ -224,14 +224,14 @@ void check_filter_options(const Convert& o) {
 // What options say before the input is known: the frame and the file that an engine wants, colours, the output's name.
 const EngineMap* resolve_options(Convert& o) {
   o.photo.field = o.fov;
-  settle(o.photo, o.read);
+  resolve_photo_options(o.photo, o.read);
   if (o.to && !has_forward(*o.to)) o.read.assumed_forward = o.forward;  // The output has no axis to choose.
   choose_working_space(o.read, o.write);
   if (o.convert.max_error && out_of_working(o.write.colour).apply)
     throw UsageError("--max-error is that of linear values: choose a linear --output-space");
   check_filter_options(o);
   const EngineMap* engine = o.engine ? &environment_of(*o.engine) : nullptr;
-  if (engine) settle(*o.engine, *engine, o.shard.part ? "" : o.output, o.to, o.forward, o.write);
+  if (engine) resolve_for_engine(*o.engine, *engine, o.shard.part ? "" : o.output, o.to, o.forward, o.write);
   if (o.to) check_output(o.shard.whole(o.output), o.write, *o.to);
   return engine;
 }

@@ -151,7 +151,7 @@ int tell_each(const InfoRequest& o, Report& report) {
       first = false;
       tell(o, input, found, report);
     } catch (const Error& e) {
-      const int failed = complain("envmap info", words_of(e, *o.options), status_of(e.code()));
+      const int failed = report_error("envmap info", words_of(e, *o.options), status_of(e.code()));
       if (status == done) status = failed;
     }
   }

@@ -65,7 +65,7 @@ int run(MipmapRequest& o, Report& report) {
   o.read.all_levels = o.keep;
   choose_working_space(o.read, o.write);
   const EngineMap* engine = o.engine ? &environment_of(*o.engine) : nullptr;
-  if (engine) settle(*o.engine, *engine, o.shard.part ? "" : o.output, o.write);
+  if (engine) resolve_for_engine(*o.engine, *engine, o.shard.part ? "" : o.output, o.write);
   const MirroredAxis mirror = engine ? engine->mirror : MirroredAxis::none;
   Source source = read_map(o.input, o.read);
   if (engine) source.map = in_frame(std::move(source.map), engine->frame);

@@ -204,7 +204,7 @@ void choose_rows(const Request& o, const std::optional<Rounding>& rounding, cons
 }
 
 // What an engine's row settles: the frame and the file, and the roughness of its levels where no others were asked for.
-const EngineMap* settle_engine(Request& o) {
+const EngineMap* resolve_engine(Request& o) {
   if (!o.engine) return nullptr;
   const EngineMap& map = prefiltered_of(*o.engine, o.lobe == Shape::diffuse);
   if (!map.chain && map.diffuse == 0 && !o.lobe)
@@ -212,7 +212,7 @@ const EngineMap* settle_engine(Request& o) {
         fmt::format("--for {0}: {1} makes rough and diffuse light itself: use 'envmap bake --for {0}', or "
                     "name a --lobe",
                     o.engine->name, o.engine->title));
-  settle(*o.engine, map, o.shard.part ? "" : o.output, o.to, o.forward, o.write);
+  resolve_for_engine(*o.engine, map, o.shard.part ? "" : o.output, o.to, o.forward, o.write);
   if (map.diffuse > 0 && !o.size) o.size = map.diffuse;
   if (!map.chain) return &map;
   if (o.scale)
@@ -297,7 +297,7 @@ const EngineMap* resolve_options(Request& o) {
     throw UsageError("--output-space: must be a linear space for prefiltered light");
   if (!has_forward(o.to.value_or(Projection::cube))) o.read.assumed_forward = o.forward;
   o.map.shape = o.lobe.value_or(Shape::diffuse);
-  const EngineMap* engine = settle_engine(o);
+  const EngineMap* engine = resolve_engine(o);
   o.map.to = o.to.value_or(Projection::cube);
   o.map.scale = o.scale;
   check_output(o.shard.whole(o.output), o.write, o.map.to);

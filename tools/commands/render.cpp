@@ -42,7 +42,7 @@ class Painter {
   }
 
   // @param moved meshes whose vertices are others than in the last shot.
-  [[nodiscard]] Drawn paint(Shot shot, const std::vector<int>& moved, DrawMethod method) {
+  [[nodiscard]] Drawn paint(FrameState shot, const std::vector<int>& moved, DrawMethod method) {
     for (const int mesh : moved) renderer_.update(shot.scene, mesh);
     const Viewpoint& from = options_.from;
     if (options_.bounces > 0) {
@@ -166,7 +166,7 @@ int run(Request& o, Report& report) {
   const Progress progress = progress_line("render");
   for (int frame = frames.first; frame <= frames.last; ++frame) {
     const std::vector<int> moved = loaded.move_to(frames.time(frame));
-    const Shot shot = loaded.shot(frames.time(frame), o.scene);
+    const FrameState shot = loaded.shot(frames.time(frame), o.scene);
     if (o.from.without >= 0) o.from.at = centre_of(loaded.scene, shot.pose, o.from.without);
     if (turned) o.from.axes = turned_to(direction(o, loaded.scene, shot.pose));
     const Progress of_frame = frames.part(progress, frame);

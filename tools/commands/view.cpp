@@ -67,8 +67,8 @@ std::vector<std::string> eye_files(const std::string& path) {
 using Pictures = std::vector<std::vector<Colour>>;
 
 // @param moved meshes whose vertices are others than in the last shot. @param first whether no frame was drawn yet.
-Painted paint(const Request& o, MirrorPainter& painter, Shot shot, const std::vector<int>& moved,
-              const std::vector<Eye>& eyes, bool first) {
+RenderedFrames paint(const Request& o, MirrorPainter& painter, FrameState shot, const std::vector<int>& moved,
+                     const std::vector<Eye>& eyes, bool first) {
   MirrorOptions drawing = o.drawing;
   if (!drawing.bounces && !first && !o.max_error) drawing.bounces = 1;
   shot.look = o.look;
@@ -102,7 +102,7 @@ std::vector<std::string> all_maps(const std::vector<std::string>& maps, const Fr
   return all;
 }
 
-Pictures cast(const Request& o, const std::vector<int>& mirrors, const Shot& shot, const std::vector<Eye>& eyes,
+Pictures cast(const Request& o, const std::vector<int>& mirrors, const FrameState& shot, const std::vector<Eye>& eyes,
               const Progress& progress) {
   Pictures pictures;
   const double part = 1.0 / double(eyes.size());
@@ -144,7 +144,7 @@ struct Scenery {
   const Viewpoints& viewpoints;
   const Frames& frames;
 
-  [[nodiscard]] Shot shot(int frame) const { return loaded.shot(frames.time(frame), o.scene); }
+  [[nodiscard]] FrameState shot(int frame) const { return loaded.shot(frames.time(frame), o.scene); }
   // One, or two of an anaglyph.
   [[nodiscard]] std::vector<Eye> eyes(int frame, const Pose& pose) const {
     const View view = viewpoints.view(pose, double(frame - frames.first) / frames.count());
@@ -163,7 +163,7 @@ void choose(Request& o, const Scenery& scenery, const std::vector<Mirror>& mirro
   const int first = scenery.frames.first, last = scenery.frames.last;
   std::vector<Moment> moments;
   for (const int frame : std::set{first, first + (last - first) / 2, last}) {
-    const Shot shot = scenery.shot(frame);
+    const FrameState shot = scenery.shot(frame);
     moments.push_back({shot, scenery.eyes(frame, shot.pose)[0], [&scenery, &painter, frame] {
                          for (const int mesh : scenery.loaded.move_to(scenery.frames.time(frame)))
                            painter->renderer().update(scenery.loaded.scene, mesh);
@@ -236,13 +236,13 @@ int run(Request& o, Report& report) {
   double seconds = 0;
   for (int frame = frames.first; frame <= frames.last; ++frame) {
     const std::vector<int> moved = loaded.move_to(frames.time(frame));
-    const Shot shot = scenery.shot(frame);
+    const FrameState shot = scenery.shot(frame);
     const std::vector<Eye> eyes = scenery.eyes(frame, shot.pose);
     const Stopwatch watch;
     const Progress of_frame = frames.part(progress, frame);
     Pictures pictures;
     if (painter) {
-      Painted painted = paint(o, *painter, shot, moved, eyes, frame == frames.first);
+      RenderedFrames painted = paint(o, *painter, shot, moved, eyes, frame == frames.first);
       tell(painted.updates, scene, mirrors);
       table.add(painted.updates);
       pictures = std::move(painted.pictures);

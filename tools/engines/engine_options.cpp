@@ -32,7 +32,7 @@ Option& add_engine(Options& o, const Engine*& engine, std::string_view help) {
   return o.add(
       "--for ENGINE", engine_names(),
       [&engine](const std::string& word) {
-        if (word == "list") throw Asked{engine_list()};
+        if (word == "list") throw HelpRequested{engine_list()};
         engine = find_engine(word);
         return engine != nullptr;
       },
@@ -88,8 +88,8 @@ const EngineMap& prefiltered_of(const Engine& engine, bool diffuse) {
   return found == engine.maps.end() ? engine.maps.front() : *found;
 }
 
-void settle(const Engine& engine, const EngineMap& map, const std::string& output, std::optional<Projection>& to,
-            std::optional<Forward>& forward, WriteOptions& write) {
+void resolve_for_engine(const Engine& engine, const EngineMap& map, const std::string& output,
+                        std::optional<Projection>& to, std::optional<Forward>& forward, WriteOptions& write) {
   if (to && *to != map.frame.projection) contradict(engine, map, fmt::format("--to {}", name(*to)));
   if (forward && has_forward(map.frame.projection) && *forward != map.frame.forward)
     contradict(engine, map,
@@ -106,10 +106,10 @@ void settle(const Engine& engine, const EngineMap& map, const std::string& outpu
   if (has_forward(map.frame.projection)) forward = map.frame.forward;
 }
 
-void settle(const Engine& engine, const EngineMap& map, const std::string& output, WriteOptions& write) {
+void resolve_for_engine(const Engine& engine, const EngineMap& map, const std::string& output, WriteOptions& write) {
   std::optional<Projection> to;
   std::optional<Forward> forward;
-  settle(engine, map, output, to, forward, write);
+  resolve_for_engine(engine, map, output, to, forward, write);
 }
 
 void tell_frame(const std::string& path, const Engine& engine, const EngineMap& map) {

@@ -10,7 +10,7 @@
 
 namespace tools {
 
-/// --for. @throws Asked with engine_list() for the word 'list'.
+/// --for. @throws HelpRequested with engine_list() for the word 'list'.
 Option& add_engine(Options& o, const envmap::Engine*& engine, std::string_view help);
 
 /// "babylon|bevy|...".
@@ -35,12 +35,12 @@ const envmap::EngineMap& prefiltered_of(const envmap::Engine& engine, bool diffu
 /// Projection, forward axis, file type and depth of the engine's map, where nothing else was asked for. A depth that
 /// was asked for stays. @param output empty where the file is written by another command: 'envmap merge'.
 /// @throws UsageError where another of the options contradicts.
-void settle(const envmap::Engine& engine, const envmap::EngineMap& map, const std::string& output,
-            std::optional<envmap::Projection>& to, std::optional<envmap::Forward>& forward,
-            envmap::WriteOptions& write);
+void resolve_for_engine(const envmap::Engine& engine, const envmap::EngineMap& map, const std::string& output,
+                        std::optional<envmap::Projection>& to, std::optional<envmap::Forward>& forward,
+                        envmap::WriteOptions& write);
 /// The same for a command that has neither --to nor --forward.
-void settle(const envmap::Engine& engine, const envmap::EngineMap& map, const std::string& output,
-            envmap::WriteOptions& write);
+void resolve_for_engine(const envmap::Engine& engine, const envmap::EngineMap& map, const std::string& output,
+                        envmap::WriteOptions& write);
 
 /// Says how the map's directions stand in the engine's world.
 void tell_frame(const std::string& path, const envmap::Engine& engine, const envmap::EngineMap& map);

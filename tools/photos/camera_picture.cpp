@@ -24,7 +24,7 @@ double radians_of(double degrees, CameraModel lens) {
   return pi / 180 * degrees;
 }
 
-PhotographOptions settled(const PhotographJob& job) {
+PhotographOptions resolved(const PhotographJob& job) {
   PhotographOptions o = job.photograph;
   o.field_radians = radians_of(job.field.value_or(o.lens == CameraModel::fisheye    ? 180
                                                   : o.lens == CameraModel::cylinder ? 90
@@ -62,7 +62,7 @@ int take_photograph(const PhotographJob& job, Report& report) {
     throw UsageError(job.output, "holds radiance as it is: remove --display");
   Source source = read_map(job.input, job.read);
   grade(source, job.grade, job.read.colour);
-  PhotographOptions options = settled(job);
+  PhotographOptions options = resolved(job);
   if (job.turn) options.rotation = rotation_of(*job.turn, source.map);
   options.samples = samples_of(options, source.map.base());
   open_depfile(1);

@@ -202,7 +202,7 @@ void add_circle(Options& o, PhotoOptions& photo) {
       .folded = true;
 }
 
-void settle(PhotoOptions& photo, const ReadOptions& read) {
+void resolve_photo_options(PhotoOptions& photo, const ReadOptions& read) {
   if (!photo.circle.empty() && !photo.of && read.projection == Projection::sphere) photo.of = PhotoOf::ball;
   const bool round = photo.of && photo.of != PhotoOf::half_paraboloid;
   const bool lens = round && photo.of != PhotoOf::ball;

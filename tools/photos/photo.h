@@ -25,7 +25,7 @@ void add_photo_words(Options& options, PhotoOptions& photo, envmap::ReadOptions&
 void add_circle(Options& options, PhotoOptions& photo);
 
 // Settles what the input is. @throws UsageError where options contradict each other.
-void settle(PhotoOptions& photo, const envmap::ReadOptions& read);
+void resolve_photo_options(PhotoOptions& photo, const envmap::ReadOptions& read);
 
 // A photo as a map.
 struct PhotoSource {

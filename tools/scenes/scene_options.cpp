@@ -134,7 +134,7 @@ std::optional<Colour> ambient_of(const SceneOptions& o) {
 
 }  // namespace
 
-Shot LoadedScene::shot(double time, const SceneOptions& o) const {
+FrameState LoadedScene::shot(double time, const SceneOptions& o) const {
   return LitScene::shot(time, ambient_of(o), !o.no_shadows);
 }
 

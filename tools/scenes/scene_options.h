@@ -67,7 +67,7 @@ struct LoadedScene : envmap::LitScene {
   std::vector<std::string> inputs = {};
 
   using LitScene::shot;
-  [[nodiscard]] envmap::Shot shot(double time, const SceneOptions& options) const;
+  [[nodiscard]] envmap::FrameState shot(double time, const SceneOptions& options) const;
 };
 /// As it is at the first moment.
 LoadedScene load(const SceneOptions& options);

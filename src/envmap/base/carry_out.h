@@ -15,14 +15,14 @@ namespace envmap {
 
 /// What the parts of an operation report to. The caller's callback sees one call at a time, values that never fall, and
 /// 1 at the end. Threads that report while another call runs go on with their work.
-class SteadyProgress {
+class MonotonicProgress {
  public:
   /// @param run must outlive this.
-  explicit SteadyProgress(const Run& run) : run_(run) {
+  explicit MonotonicProgress(const Run& run) : run_(run) {
     if (run.progress || run.stop.stop_possible()) report_ = [this](double part) { report(part); };
   }
-  SteadyProgress(const SteadyProgress&) = delete;
-  SteadyProgress& operator=(const SteadyProgress&) = delete;
+  MonotonicProgress(const MonotonicProgress&) = delete;
+  MonotonicProgress& operator=(const MonotonicProgress&) = delete;
 
   /// For the parts of the operation; empty where nobody listens. @throws Cancelled from there.
   [[nodiscard]] const Progress& callback() const { return report_; }
@@ -53,10 +53,10 @@ class SteadyProgress {
 /// Calls work(progress) with the threads of the run. @return its result. @throws UsageError where `threads` is out of
 /// its range, Cancelled where the run was stopped before it began.
 template <class Work>
-auto carry_out(const Run& run, const Work& work) {
+auto run_operation(const Run& run, const Work& work) {
   check_range(limits::threads, run.threads);
   if (run.stop.stop_requested()) throw Cancelled();
-  const SteadyProgress steady(run);
+  const MonotonicProgress steady(run);
   using Made = decltype(work(steady.callback()));
   if constexpr (std::is_void_v<Made>) {
     with_threads(run.threads, [&] { with_stop(run.stop, [&] { work(steady.callback()); }); });

@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <atomic>
 
+#include "envmap/base/stop_point.h"
+
 namespace envmap {
 
 namespace {
@@ -47,6 +49,10 @@ void for_each_row(int faces, int height, const Progress& progress, const std::fu
   });
 }
 
+void stop_point() {
+  if (tbb::is_current_task_group_canceling()) throw Cancelled();
+}
+
 void with_threads(int threads, const std::function<void()>& work) {
   if (threads == 0) return work();
   tbb::task_arena arena(threads);
@@ -66,9 +72,9 @@ void with_stop(const std::stop_token& stop, const std::function<void()>& work) {
   if (!done) throw Cancelled();
 }
 
-void isolated(const std::function<void()>& work) { tbb::this_task_arena::isolate(work); }
+void isolate_tasks(const std::function<void()>& work) { tbb::this_task_arena::isolate(work); }
 
-void run_beside(const std::function<void()>& ahead, const std::function<void()>& work) {
+void overlap(const std::function<void()>& ahead, const std::function<void()>& work) {
   tbb::task_group group;
   group.run(ahead);
   try {

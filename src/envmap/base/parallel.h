@@ -46,10 +46,10 @@ void with_threads(int threads, const std::function<void()>& work);
 void with_stop(const std::stop_token& stop, const std::function<void()>& work);
 
 /// Calls work(), for which a lock may be held: this thread takes no task from outside while it waits.
-void isolated(const std::function<void()>& work);
+void isolate_tasks(const std::function<void()>& work);
 
 /// Calls ahead() while work() runs in this thread. @throws what work throws, else what ahead does, once both ended.
-void run_beside(const std::function<void()>& ahead, const std::function<void()>& work);
+void overlap(const std::function<void()>& ahead, const std::function<void()>& work);
 
 /// How many threads may work at once.
 int thread_limit();

@@ -115,7 +115,7 @@ std::vector<BakedFile> bake(EnvironmentMap probe, const Engine& engine, const st
   check_engine(engine);
   BakeOptions options = asked;
   expose(probe, options.exposure, options.write.provenance);
-  return carry_out(run, [&](const Progress& progress) {
+  return run_operation(run, [&](const Progress& progress) {
     OutputFolder out(folder, files_of(engine), options.write.commit);
     Baker baker(probe, options);
     std::vector<BakedFile> baked;

@@ -254,7 +254,7 @@ Source read_image(Image& image, const std::string& path, const ReadOptions& opti
   source.layout = found.layout;
   source.facts = recorded.facts;
   source.provenance = recorded.provenance;
-  tell_colours(source, image, recorded, options.colour);
+  record_colours(source, image, recorded, options.colour);
   source.border = border_of(image, options, recorded, found);
   const bool in_files = has_level(path);
   // A texture counts the levels that it holds itself.
@@ -331,7 +331,7 @@ Level read_face_files(const std::string& path, const FaceFiles& files, const Rea
       source.provenance = recorded.provenance;
       source.image_width = source.image_height = size;
       source.claims = head.claims;
-      tell_colours(source, image, recorded, options.colour);
+      record_colours(source, image, recorded, options.colour);
       source.facts = recorded.facts;
     }
     if (number == 0)
@@ -405,7 +405,7 @@ void check(const ReadOptions& options) {
 }
 
 // NaN, infinite and negative radiance: refuses, repairs or keeps it, as the options say. @throws InputError.
-void settle_flaws(const std::string& name, const ReadOptions& options, Source& source) {
+void resolve_flaws(const std::string& name, const ReadOptions& options, Source& source) {
   if (options.flaws == FlawPolicy::keep) return;
   for (std::size_t k = 0; k < source.map.levels.size(); ++k) {
     Level& level = source.map.levels[k];
@@ -423,12 +423,12 @@ void settle_flaws(const std::string& name, const ReadOptions& options, Source& s
 
 // @param take makes the map out of a file, as it is there.
 template <class F>
-Source settled(const std::string& name, const ReadOptions& options, const Progress& progress, const F& take) {
+Source read_and_finish(const std::string& name, const ReadOptions& options, const Progress& progress, const F& take) {
   try {
     Source source = take(progress);
     // Flaws are those of the file's own values. Only linear ones can be averaged.
     const ColourTransform colours = colours_of(source, options.colour);
-    if (colours.apply) settle_flaws(name, options, source);
+    if (colours.apply) resolve_flaws(name, options, source);
     into_working(source, colours, options.colour);
     const Projection p = source.map.projection();
     if (source.border_samples && p != Projection::latlong && p != Projection::cube)
@@ -437,7 +437,7 @@ Source settled(const std::string& name, const ReadOptions& options, const Progre
                                    envmap::name(p)));
     if (source.border_samples)
       for (Level& level : source.map.levels) level = to_cell_centres(level);
-    settle_flaws(name, options, source);
+    resolve_flaws(name, options, source);
     if (source.pose)
       for (Level& level : source.map.levels) level = turned(std::move(level), source.map.forward, *source.pose);
     return source;
@@ -452,7 +452,7 @@ template <class F>
 Source read_named(const std::string& path, const ReadOptions& options, const Run& run, const F& take) {
   check(options);
   const std::string name = path == "-" ? "standard input" : path;
-  return carry_out(run, [&](const Progress& progress) { return settled(name, options, progress, take); });
+  return run_operation(run, [&](const Progress& progress) { return read_and_finish(name, options, progress, take); });
 }
 
 // An image as it is, in a level that stands for no sphere.
@@ -461,7 +461,7 @@ Source read_photo(Image& image, const ReadOptions& options, const Progress& prog
   Metadata recorded;
   Source source = read_head(image, options, recorded);
   source.provenance = recorded.provenance;
-  tell_colours(source, image, recorded, options.colour);
+  record_colours(source, image, recorded, options.colour);
   source.border_samples = false, source.levels = 1;
   const FaceSize whole{source.image_width, source.image_height};
   source.map.levels.push_back(

@@ -86,7 +86,7 @@ void write_image(OutputFile& file, const std::string& path, const std::string& e
       gather_distances(atlas, begin, end, out);
     };
   const ImageWriter writer = make_writer(file, path, ext, plan);
-  Shares shares(progress, levels);
+  PartsOfProgress shares(progress, levels);
   for (std::size_t k = 0; k < levels.size(); ++k)
     for_each_band(levels[k], plan.rows.value_or(RowRange{0, levels[k].height()}), shares.next(levels[k]),
                   [&](int begin, int end, std::vector<Colour>& band) {
@@ -154,7 +154,7 @@ Rows in_space(Rows rows, const ColourTransform& colours) {
 
 // Says what space the values are in, where it was asked for; the word only where it is another than would be taken
 // anyway.
-void tell_space(Metadata& data, const ColourOptions& colour, bool integers) {
+void record_space(Metadata& data, const ColourOptions& colour, bool integers) {
   if (colour.space.empty()) return;
   const std::optional<Primaries> stored = primaries_of(colour.config, colour.space);
   data.provenance.chromaticities = stored ? std::optional(chromaticities(*stored)) : std::nullopt;
@@ -228,7 +228,7 @@ Metadata metadata_of(const Rows& base, const OutputPlan& plan, const WriteOption
   if (options.border > 0) data.border = options.border;
   if (const auto convention = convention_of(options.faces); !convention.empty())
     data.facts[std::string(faces_fact)] = convention;
-  tell_space(data, options.colour, is_integer(plan.depth));
+  record_space(data, options.colour, is_integer(plan.depth));
   return data;
 }
 
@@ -376,7 +376,7 @@ Written write_map(const std::string& path, std::span<const Rows> levels, const W
       throw UsageError(path, "levels of one map must have one projection and forward axis");
   const OutputPlan plan = plan_output(path, options, base.projection, levels.size() > 1);
   check_count(path, levels, options.border);
-  return carry_out(run, [&](const Progress& progress) {
+  return run_operation(run, [&](const Progress& progress) {
     return write_as_planned(path, levels, plan, options, progress, destination);
   });
 }

@@ -21,7 +21,7 @@ Level::Level(Projection projection, int size, int width, std::size_t max_memory)
       faces_(envmap::faces(projection)),
       width_(width_of(projection, size, width)),
       height_(size),
-      pixels_(index(faces_, -apron, -apron) + 1, max_memory) {}
+      pixels_(index(faces_, -padding, -padding) + 1, max_memory) {}
 
 Level& EnvironmentMap::no_level() { throw UsageError("a map needs a level; this one has none"); }
 

@@ -23,7 +23,7 @@ namespace ENVMAP_EXPORT envmap {
 class Level {
  public:
   /// Cubic taps reach 2 texels beyond a place, which the inverse bilinear lookup may move out by 1.
-  static constexpr int apron = 3;
+  static constexpr int padding = 3;
 
   /// All texels 0. @param size height of a face, at least 1. @param width of a face; 0: size x the aspect of the
   /// projection. Only the coarser levels of a latlong map have another: they halve each side and round it down, 90x45
@@ -68,7 +68,7 @@ class Level {
   void trim() const { pixels_.trim(); }
 
   /// Texels from one row to the next.
-  [[nodiscard]] std::ptrdiff_t stride() const { return width_ + 2 * apron; }
+  [[nodiscard]] std::ptrdiff_t stride() const { return width_ + 2 * padding; }
 
  private:
   friend class PaddedLevel;
@@ -78,7 +78,7 @@ class Level {
   [[nodiscard]] const Colour* stored(int face, int i, int j) const { return pixels_.data() + index(face, i, j); }
 
   [[nodiscard]] std::size_t index(int face, int i, int j) const {
-    return std::size_t((std::ptrdiff_t(face) * (height_ + 2 * apron) + j + apron) * stride() + i + apron);
+    return std::size_t((std::ptrdiff_t(face) * (height_ + 2 * padding) + j + padding) * stride() + i + padding);
   }
 
   Projection projection_;

@@ -189,7 +189,7 @@ Daylight generate(const Atmosphere& wanted, const Frame& to, int size, const Run
   Atmosphere a = wanted;
   a.sun = glm::normalize(checked_direction("sun", a.sun));
   Daylight made{.map = blank_map(to, size)};
-  carry_out(run, [&](const Progress& progress) {
+  run_operation(run, [&](const Progress& progress) {
     const double radius = air::ground_radius + a.altitude, edge = air::horizon(radius);
     const double reach =
         portable::acos(air::ground_radius / radius) + portable::acos(air::ground_radius / air::top_radius) + 0.01;

@@ -227,7 +227,7 @@ bool keeps_texels(const EnvironmentMap& source, const ConvertOptions& options) {
 }
 
 Resampler::Resampler(EnvironmentMap&& source, const ConvertOptions& options, const Run& run)
-    : prepared_(carry_out(run, [&](const Progress&) {
+    : prepared_(run_operation(run, [&](const Progress&) {
         return std::make_shared<const Prepared>(std::move(source), options);
       })) {}
 
@@ -243,7 +243,7 @@ Rows Resampler::rows() const {
 }
 
 EnvironmentMap convert(const EnvironmentMap& source, const ConvertOptions& options, const Run& run) {
-  return carry_out(run, [&](const Progress& progress) {
+  return run_operation(run, [&](const Progress& progress) {
     const Resampler resampler(source, options);
     const Rows rows = resampler.rows();
     EnvironmentMap out = blank_map(resampler.frame(), resampler.size());

@@ -323,8 +323,8 @@ EnvironmentMap generate(const Pattern& pattern, const Frame& to, int size, const
   std::visit([](const auto& p) { check(p); }, pattern);
   check_range(limits::size, size);
   EnvironmentMap map = blank_map(to, size);
-  carry_out(run,
-            [&](const Progress& progress) { std::visit([&](const auto& p) { fill(p, map, progress); }, pattern); });
+  run_operation(run,
+                [&](const Progress& progress) { std::visit([&](const auto& p) { fill(p, map, progress); }, pattern); });
   for (int face = 0; face < map.base().faces(); ++face)
     for (int j = 0; j < map.base().height(); ++j)
       for (const Colour& c : map.base().row(face, j))

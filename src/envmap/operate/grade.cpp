@@ -96,7 +96,7 @@ void apply(const Grade& grade, Level& level) {
 
 void add_light(EnvironmentMap& map, const EnvironmentMap& other, double gain, const Run& run) {
   require_finite(map);
-  carry_out(run, [&](const Progress& progress) {
+  run_operation(run, [&](const Progress& progress) {
     const Rows more = Resampler(other, {.to = map.frame(), .size = map.base().height(), .gain = gain}).rows();
     Level& level = map.base();
     if (more.width() != level.width())

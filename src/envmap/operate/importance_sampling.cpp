@@ -78,13 +78,14 @@ double cosine_above(int row, int height) { return portable::cos(pi * row / heigh
 
 ImportanceSampler::ImportanceSampler(const EnvironmentMap& map, const Run& run) {
   require_radiance(map);
-  tables_ = carry_out(run, [&](const Progress&) {
+  tables_ = run_operation(run, [&](const Progress&) {
     const bool plain = map.projection() == Projection::cube || map.projection() == Projection::latlong;
     const std::optional<EnvironmentMap> cube =
         plain ? std::nullopt : std::optional(convert(map, {.to = {Projection::cube}, .filter = Filter::area}));
     const EnvironmentMap& from = cube ? *cube : map;
     const Level& level = from.base();
-    Tables t{level.projection(), level.width(), level.height(), level.faces(), image_to_world(from.forward), {}, {}, {}};
+    Tables t{
+        level.projection(), level.width(), level.height(), level.faces(), image_to_world(from.forward), {}, {}, {}};
     t.share.resize(t.index(t.faces, 0, 0));
     if (level.projection() == Projection::latlong) t.angles.resize(std::size_t(t.height));
     for_each_row(t.faces, t.height, {}, [&](int face, int j) {

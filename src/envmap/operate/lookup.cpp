@@ -75,7 +75,7 @@ struct EnvironmentLookup::Levels {
   template <class D>
   void look_all(std::span<const D> directions, std::span<Colour> out, double level, const Run& run) const {
     check_length("out", out.size(), directions.size());
-    carry_out(run, [&](const Progress&) {
+    run_operation(run, [&](const Progress&) {
       const auto blocks = int((directions.size() + block - 1) / block);
       parallel_ranges(blocks, 8, [&](int begin, int end) {
         for (std::size_t k = std::size_t(begin) * block; k < std::min(std::size_t(end) * block, out.size());

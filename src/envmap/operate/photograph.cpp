@@ -126,7 +126,7 @@ std::vector<Colour> photograph(EnvironmentMap source, const PhotographOptions& o
     }
     base.trim();
   };
-  carry_out(run, [&](const Progress& progress) {
+  run_operation(run, [&](const Progress& progress) {
     for_each_row(1, o.height, progress, [&](int, int row) { take_row(row); });
   });
   return picture;

@@ -154,7 +154,7 @@ std::vector<Colour> brdf_table(int size, const Run& run) {
   std::vector<double> cosines;
   for (int i = 0; i < size; ++i) cosines.push_back((i + 0.5) / size);
   std::vector<Colour> table(n * n);
-  carry_out(run, [&](const Progress& progress) {
+  run_operation(run, [&](const Progress& progress) {
     for_each_row(1, size, progress, [&](int, int j) {
       const std::vector<ScaleBias> row = brdf(cosines, (j + 0.5) / size);
       for (std::size_t i = 0; i < n; ++i) table[std::size_t(j) * n + i] = Colour(row[i].scale, row[i].bias, 0);
@@ -215,7 +215,7 @@ std::vector<Colour> sheen_table(int size, const Run& run) {
   std::vector<double> roughnesses;
   for (int j = 0; j < size; ++j) roughnesses.push_back((j + 0.5) / size);
   std::vector<Colour> table(n * n);
-  carry_out(run, [&](const Progress& progress) {
+  run_operation(run, [&](const Progress& progress) {
     for_each_row(1, size, progress, [&](int, int i) {
       const std::vector<double> column = sheen_albedo((i + 0.5) / size, roughnesses);
       for (std::size_t j = 0; j < n; ++j) table[j * n + std::size_t(i)] = Colour(float(column[j]));

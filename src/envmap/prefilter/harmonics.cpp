@@ -176,7 +176,7 @@ void harmonics_at(int order, const Direction& towards, std::span<double> out) {
 
 Harmonics project(const EnvironmentMap& map, int order, const Run& run) {
   check_order(order);
-  return carry_out(run, [&](const Progress& progress) {
+  return run_operation(run, [&](const Progress& progress) {
     const std::optional<EnvironmentMap> cube = prefiltering::source_cube(require_finite(map));
     const Level& level = cube ? cube->base() : map.base();
     const Recursion recursion(order);
@@ -218,7 +218,7 @@ Flux evaluate(const Harmonics& h, const Direction& d) {
 EnvironmentMap evaluate(const Harmonics& h, Projection to, int size, Forward forward, const Run& run) {
   check_series(h);
   check_range(limits::size, size);
-  return carry_out(run, [&](const Progress& progress) {
+  return run_operation(run, [&](const Progress& progress) {
     EnvironmentMap map = blank_map({to, forward}, size);
     Level& level = map.base();
     const Recursion recursion(h.order);

@@ -189,7 +189,7 @@ std::vector<double> laplacian_window(int order, double lambda) {
 
 Deringing weakest_window(const Harmonics& radiance, const Run& run) {
   check_range({"order", 0, max_deringed_order}, radiance.order);
-  return carry_out(run, [&](const Progress& progress) { return least_window(radiance, progress); });
+  return run_operation(run, [&](const Progress& progress) { return least_window(radiance, progress); });
 }
 
 }  // namespace envmap

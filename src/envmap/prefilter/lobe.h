@@ -28,7 +28,7 @@ concept RadialLobe = requires(const L& l, double x) {
   { l.peak() } -> std::same_as<double>;      ///< x at which it is largest; 0 but for sheen.
   { l.rate(x) } -> std::same_as<double>;     ///< Upper bound of |d ln(value) / dx|.
   { l.width() } -> std::same_as<double>;     ///< About the x at which it has fallen to 1/e.
-  { l.kink() } -> std::same_as<double>;  ///< The jump of its slope at the horizon, where the lobe is continuous.
+  { l.kink() } -> std::same_as<double>;      ///< The jump of its slope at the horizon, where the lobe is continuous.
 };
 
 /// Lambert's cosine: value = cos / pi. A diffuse map is the irradiance over pi of a plane that faces the direction.

@@ -201,11 +201,11 @@ Lobe lobe_of(const Prefilter& p) {
 }
 
 PrefilterSource::PrefilterSource(const EnvironmentMap& map, const Run& run)
-    : prepared_(carry_out(run, [&](const Progress& progress) {
+    : prepared_(run_operation(run, [&](const Progress& progress) {
         return std::make_unique<PreparedSource>(std::nullopt, &map, progress);
       })) {}
 PrefilterSource::PrefilterSource(EnvironmentMap&& map, const Run& run)
-    : prepared_(carry_out(run, [&](const Progress& progress) {
+    : prepared_(run_operation(run, [&](const Progress& progress) {
         return std::make_unique<PreparedSource>(std::move(map), nullptr, progress);
       })) {}
 PrefilterSource::~PrefilterSource() = default;
@@ -216,7 +216,7 @@ const EnvironmentMap& PrefilterSource::source() const { return prepared_->map; }
 
 Prefiltered PrefilterSource::make(const Prefilter& wanted, const Run& run) const {
   check(wanted);
-  return carry_out(run, [&](const Progress& progress) { return make_now(wanted, progress); });
+  return run_operation(run, [&](const Progress& progress) { return make_now(wanted, progress); });
 }
 
 Prefiltered PrefilterSource::make_now(const Prefilter& wanted, const Progress& progress) const {
@@ -232,7 +232,7 @@ Prefiltered PrefilterSource::make_now(const Prefilter& wanted, const Progress& p
     const Rotation turn = glm::transpose(image_to_world(from.forward)) * image_to_world(done.map.forward);
     const auto turn_of_this_thread = wait_for_turn(prepared_->in_use, progress);
     // While the lock is held this thread takes no task of the caller's, which might want the lock again.
-    isolated([&] { make_lobe(*prepared_, wanted, {wanted.to, wanted.size, turn}, progress, done); });
+    isolate_tasks([&] { make_lobe(*prepared_, wanted, {wanted.to, wanted.size, turn}, progress, done); });
   }
   done.work = steps_since(before);
   done.seconds = seconds_since(start);
@@ -258,7 +258,7 @@ PrefilteredChain PrefilterSource::make_chain(const Prefilter& base, std::span<co
   }
   check_level_count(sizes.front(), sizes.size());
   check_halving(sizes);
-  return carry_out(run, [&](const Progress& progress) {
+  return run_operation(run, [&](const Progress& progress) {
     PrefilteredChain chain{.map = {.levels = {}, .forward = {}}, .levels = {}};
     double done = 0;
     for (const Prefilter& level : wanted) {

@@ -127,7 +127,7 @@ struct Workspace {
 
   // Least and largest of the texels that the reconstruction uses in a box.
   static void add_range(const PaddedLevel& source, int face, const Rect& box, Colour& low, Colour& high) {
-    constexpr int g = Level::apron;
+    constexpr int g = Level::padding;
     const auto whole = [](double x, int n) { return std::clamp(int(std::floor(x)), -g, n + g - 1); };
     const int i0 = whole(box.u0, source.width()), i1 = whole(box.u1 + 1, source.width());
     for (int j = whole(box.v0, source.height()); j <= whole(box.v1 + 1, source.height()); ++j)

@@ -236,7 +236,7 @@ bool Outline::follow(const PaddedLevel& source, const Target& target, const Side
   const Projection p = source.projection();
   const bool disc = on_disc(p);
   const double behind = bilinear_bends_below(p, source.height()),
-               rim = disc ? 0.5 - 1.0 * Level::apron / source.height() : 2;
+               rim = disc ? 0.5 - 1.0 * Level::padding / source.height() : 2;
   begin(sides.places[texel * sides.pieces].face, p == Projection::latlong ? source.height() : 0);
   std::size_t n = 0;
   if (p == Projection::latlong) {

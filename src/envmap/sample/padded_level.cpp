@@ -38,11 +38,11 @@ bool is_image(const PaddedLevel& level, int i, int j) {
 bool is_apron(const PaddedLevel& level, int i, int j) {
   if (is_image(level, i, j)) return false;
   return !on_disc(level.projection()) ||
-         radius(level, i, j) <= 1 + 2 * std::numbers::sqrt2 * Level::apron / level.height();
+         radius(level, i, j) <= 1 + 2 * std::numbers::sqrt2 * Level::padding / level.height();
 }
 
 std::vector<ApronTexel> apron_texels(const PaddedLevel& level) {
-  constexpr int g = Level::apron;
+  constexpr int g = Level::padding;
   const int w = level.width(), h = level.height();
   std::vector<ApronTexel> found;
   visit(level.projection(), [&](auto p) {
@@ -160,7 +160,7 @@ void PaddedLevel::fill_by_bilinear() {
 
 // A square folded onto itself: what lies beyond its sides are texels of the image.
 void PaddedLevel::fill_by_folding() {
-  constexpr int g = Level::apron;
+  constexpr int g = Level::padding;
   const int n = height();
   for (int j = -g; j < n + g; ++j) {
     for (int i = -g; i < n + g; ++i) {

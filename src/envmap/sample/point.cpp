@@ -42,7 +42,7 @@ void place(const PaddedLevel& level, std::size_t count, Places& places) {
   const hn::ScalableTag<double> d;
   const hn::Rebind<float, decltype(d)> df;
   const auto width = hn::Set(d, level.width()), height = hn::Set(d, level.height()), half = hn::Set(d, 0.5);
-  const auto rows = hn::Set(d, level.height() + 2 * Level::apron);
+  const auto rows = hn::Set(d, level.height() + 2 * Level::padding);
   const auto stride = hn::Set(d, double(level.stride()));
   for (std::size_t k = 0; k < count; k += hn::Lanes(d)) {
     const auto x = hn::Sub(hn::Mul(hn::Load(d, places.u + k), width), half);

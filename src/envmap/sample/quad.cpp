@@ -114,11 +114,11 @@ V settle(const Place (&off)[2], const Place (&chord)[2], const Place& way, Place
 // Finds the window, and leaves out what is not plain: over an edge or too large, or not convex.
 void place(const PaddedLevel& source, const Grid& grid, std::size_t k, const Place (&c)[4], V twice, V off, Quads& q) {
   const Lanes d;
-  const V one = hn::Set(d, 1), two = hn::Set(d, 2), apron = hn::Set(d, Level::apron);
+  const V one = hn::Set(d, 1), two = hn::Set(d, 2), padding = hn::Set(d, Level::padding);
   const V unwrapped = hn::Floor(hn::Min(hn::Min(c[0].x, c[1].x), hn::Min(c[2].x, c[3].x)));
   const V top = hn::Floor(hn::Min(hn::Min(c[0].y, c[1].y), hn::Min(c[2].y, c[3].y)));
   const V period = hn::Set(d, period_of(source)), wide = hn::Set(d, source.width());
-  const V left = hn::NegMulAdd(period, hn::Floor(hn::Div(hn::Add(unwrapped, apron), wide)), unwrapped);
+  const V left = hn::NegMulAdd(period, hn::Floor(hn::Div(hn::Add(unwrapped, padding), wide)), unwrapped);
   const V columns =
       hn::Sub(hn::Add(hn::Floor(hn::Max(hn::Max(c[0].x, c[1].x), hn::Max(c[2].x, c[3].x))), two), unwrapped);
   const V right = hn::Add(left, columns);
@@ -126,9 +126,9 @@ void place(const PaddedLevel& source, const Grid& grid, std::size_t k, const Pla
   const V rows = hn::Sub(bottom, top);
   auto plain = hn::And(hn::Le(off, hn::Set(d, most_bend)), hn::Le(hn::Mul(columns, rows), hn::Set(d, most_taps)));
   plain = hn::And(plain, hn::Le(hn::Max(columns, rows), hn::Set(d, longest)));
-  plain = hn::And(plain, hn::Le(hn::Neg(apron), hn::Min(left, top)));
-  plain = hn::And(plain, hn::Le(right, hn::Add(wide, apron)));
-  plain = hn::And(plain, hn::Le(bottom, hn::Add(hn::Set(d, source.height()), apron)));
+  plain = hn::And(plain, hn::Le(hn::Neg(padding), hn::Min(left, top)));
+  plain = hn::And(plain, hn::Le(right, hn::Add(wide, padding)));
+  plain = hn::And(plain, hn::Le(bottom, hn::Add(hn::Set(d, source.height()), padding)));
   for (int s = 0; s < 4; ++s) {
     const V face = hn::LoadU(d, &grid.face[s / 2 * 2][k + 1 + std::size_t(s % 2)]);
     const V turn = cross(minus(c[(s + 1) % 4], c[s]), minus(c[(s + 2) % 4], c[s]));

@@ -8,10 +8,10 @@
 
 namespace envmap {
 
-std::vector<Colour> picture_through_maps(Renderer& renderer, const Shot& shot, const std::vector<Mirror>& mirrors,
+std::vector<Colour> picture_through_maps(Renderer& renderer, const FrameState& shot, const std::vector<Mirror>& mirrors,
                                          const Eye& eye, const MirrorOptions& drawing) {
   Mirrors maps(shot.scene, mirrors);
-  Shot with_maps = shot;
+  FrameState with_maps = shot;
   with_maps.look.pictures = drawing.bounces.value_or(shot.look.pictures);
   return draw_through_maps(renderer, maps, with_maps, {eye}, drawing).pictures.front();
 }

@@ -10,12 +10,12 @@
 namespace envmap {
 
 // A picture through maps that begin empty.
-std::vector<Colour> picture_through_maps(Renderer& renderer, const Shot& shot, const std::vector<Mirror>& mirrors,
+std::vector<Colour> picture_through_maps(Renderer& renderer, const FrameState& shot, const std::vector<Mirror>& mirrors,
                                          const Eye& eye, const MirrorOptions& drawing);
 
 // A picture that is wanted.
 struct Moment {
-  Shot shot;
+  FrameState shot;
   Eye eye;
   std::function<void()> arrive = [] {};  // Moves the vertices of the scene and of the renderer there.
 };

@@ -24,7 +24,7 @@ std::vector<int> LitScene::move_to(double time) {
   return deform(scene, then, time);
 }
 
-Shot LitScene::shot(double time, const std::optional<Colour>& ambient, bool shadows) const {
+FrameState LitScene::shot(double time, const std::optional<Colour>& ambient, bool shadows) const {
   return {.scene = scene,
           .pose = pose(scene, time),
           .environment = environment.get(),

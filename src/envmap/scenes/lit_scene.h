@@ -26,7 +26,7 @@ struct LitScene {
   /// beyond is_bounded() then.
   std::vector<int> move_to(double time);
 
-  [[nodiscard]] Shot shot(double time, const std::optional<Colour>& ambient, bool shadows) const;
+  [[nodiscard]] FrameState shot(double time, const std::optional<Colour>& ambient, bool shadows) const;
 
   /// Whether nothing lights it.
   [[nodiscard]] bool is_dark(const std::optional<Colour>& ambient) const;

@@ -27,18 +27,18 @@ std::vector<float> turned(const std::vector<float>& distances, const Level& leve
 
 }  // namespace
 
-Painted draw_through_maps(Renderer& renderer, Mirrors& maps, Shot shot, const std::vector<Eye>& eyes,
-                          const MirrorOptions& drawing) {
+RenderedFrames draw_through_maps(Renderer& renderer, Mirrors& maps, FrameState shot, const std::vector<Eye>& eyes,
+                                 const MirrorOptions& drawing) {
   std::vector<Viewer> viewers;
   for (const Eye& eye : eyes) viewers.push_back(eye.viewer);
-  Painted painted{.pictures = {}, .updates = maps.update(renderer, shot, viewers, drawing)};
+  RenderedFrames painted{.pictures = {}, .updates = maps.update(renderer, shot, viewers, drawing)};
   shot.mirrors = maps.maps();
   for (const Eye& eye : eyes) painted.pictures.push_back(draw_picture(renderer, eye.from, shot));
   return painted;
 }
 
-Painted MirrorPainter::paint(Shot shot, const std::vector<int>& moved, const std::vector<Eye>& eyes,
-                             MirrorOptions drawing) {
+RenderedFrames MirrorPainter::paint(FrameState shot, const std::vector<int>& moved, const std::vector<Eye>& eyes,
+                                    MirrorOptions drawing) {
   for (const int mesh : moved) renderer_.update(shot.scene, mesh);
   drawing.moved = !moved.empty();
   return draw_through_maps(renderer_, maps_, std::move(shot), eyes, drawing);

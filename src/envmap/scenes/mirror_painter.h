@@ -11,7 +11,7 @@
 
 namespace envmap {
 
-struct Painted {
+struct RenderedFrames {
   std::vector<std::vector<Colour>> pictures;  ///< One for each eye.
   MirrorUpdates updates;
 };
@@ -26,8 +26,8 @@ struct PaintedMap {
 };
 
 /// Pictures, after the maps are drawn as far as the eyes need them.
-Painted draw_through_maps(Renderer& renderer, Mirrors& maps, Shot shot, const std::vector<Eye>& eyes,
-                          const MirrorOptions& drawing);
+RenderedFrames draw_through_maps(Renderer& renderer, Mirrors& maps, FrameState shot, const std::vector<Eye>& eyes,
+                                 const MirrorOptions& drawing);
 
 /// Makes the OpenGL context that it draws with: it lives in one thread.
 class MirrorPainter {
@@ -39,8 +39,8 @@ class MirrorPainter {
   [[nodiscard]] Renderer& renderer() { return renderer_; }
 
   /// draw_through_maps(). @param moved meshes whose vertices are others than in the last shot.
-  [[nodiscard]] Painted paint(Shot shot, const std::vector<int>& moved, const std::vector<Eye>& eyes,
-                              MirrorOptions drawing);
+  [[nodiscard]] RenderedFrames paint(FrameState shot, const std::vector<int>& moved, const std::vector<Eye>& eyes,
+                                     MirrorOptions drawing);
 
   /// Of each mirror.
   [[nodiscard]] std::vector<PaintedMap> maps() const;

@@ -55,7 +55,7 @@ Viewpoint viewpoint(const RenderOptions& o, const Scene& scene, const Pose& pose
 }
 
 // In a thread of its own, so that the context that is current in the caller's stays current.
-Drawn draw_by_opengl(const Shot& shot, const Viewpoint& from, DrawMethod method, ContextKind kind) {
+Drawn draw_by_opengl(const FrameState& shot, const Viewpoint& from, DrawMethod method, ContextKind kind) {
   const auto drawn = [&] {
     const Context context(kind);
     Renderer renderer(shot.scene, shot.environment);
@@ -68,10 +68,10 @@ Drawn draw_by_opengl(const Shot& shot, const Viewpoint& from, DrawMethod method,
 
 RenderedMap render(const std::string& path, const RenderOptions& o, const EnvironmentMap* environment, const Run& run) {
   check(o);
-  return carry_out(run, [&](const Progress& progress) {
+  return run_operation(run, [&](const Progress& progress) {
     const LitScene lit = read_lit_scene(path, environment, o.occlusion, Reflection::split_sum, o.time_seconds,
                                         part_progress(progress, 0, 0.5));
-    const Shot shot = lit.shot(o.time_seconds, o.ambient, o.shadows);
+    const FrameState shot = lit.shot(o.time_seconds, o.ambient, o.shadows);
     const Viewpoint from = viewpoint(o, lit.scene, shot.pose, path);
     const DrawMethod method = o.method == DrawMethod::automatic ? cheapest(o.to.projection, o.size, draw_load(shot),
                                                                            o.context == ContextKind::automatic)

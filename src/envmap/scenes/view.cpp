@@ -47,15 +47,15 @@ void check(const ViewOptions& o) {
 }
 
 // One picture, and what it is made of.
-struct Sitting {
+struct ViewSession {
   const ViewOptions& options;
   const LitScene& lit;
   const std::vector<Mirror>& mirrors;
-  Shot shot;
+  FrameState shot;
   Eye eye;
 };
 
-void cast(const Sitting& s, const Progress& progress, ViewedScene& viewed) {
+void cast(const ViewSession& s, const Progress& progress, ViewedScene& viewed) {
   const ViewOptions& o = s.options;
   viewed.method = ViewMethod::raycast;
   viewed.radiance =
@@ -64,7 +64,7 @@ void cast(const Sitting& s, const Progress& progress, ViewedScene& viewed) {
 }
 
 // @return whether maps are good enough.
-bool paint(Sitting& s, ViewedScene& viewed) {
+bool paint(ViewSession& s, ViewedScene& viewed) {
   const ViewOptions& o = s.options;
   MirrorOptions drawing{
       .size = o.map_size, .largest = o.largest_map, .bounces = o.bounces, .near = o.near_metres, .far = o.far_metres};
@@ -90,14 +90,14 @@ bool paint(Sitting& s, ViewedScene& viewed) {
 
 ViewedScene view(const std::string& path, const ViewOptions& o, const EnvironmentMap* environment, const Run& run) {
   check(o);
-  return carry_out(run, [&](const Progress& progress) {
+  return run_operation(run, [&](const Progress& progress) {
     const LitScene lit =
         read_lit_scene(path, environment, o.occlusion, o.reflection, o.time_seconds, part_progress(progress, 0, 0.5));
     const std::vector<Mirror> mirrors = choose_mirrors(lit.scene, o.mirrors, o.maps);
-    const Shot shot = lit.shot(o.time_seconds, o.ambient, o.shadows);
+    const FrameState shot = lit.shot(o.time_seconds, o.ambient, o.shadows);
     const Viewpoints viewpoints({o.camera, o.look_at, o.vertical_field_degrees}, double(o.width) / o.height, lit.scene,
                                 path, shot.pose);
-    Sitting sitting{o, lit, mirrors, shot, eye_of({o.width, o.height, o.samples}, viewpoints.view(shot.pose, 0))};
+    ViewSession sitting{o, lit, mirrors, shot, eye_of({o.width, o.height, o.samples}, viewpoints.view(shot.pose, 0))};
     ViewedScene viewed{.width = o.width, .height = o.height, .radiance = {}, .mirrors = {}, .remarks = {}};
     bool by_rays = o.method == ViewMethod::raycast;
     // OpenGL in a thread of its own, so that the context that is current in the caller's stays current.

@@ -186,7 +186,7 @@ void parse(const Job& job, Parsed& parsed) {
   Settings unused;
   try {
     tools::parse(job.words, parsed, unused);
-  } catch (const Asked&) {
+  } catch (const HelpRequested&) {
     throw UsageError(job.where + ": asks for help, and writes nothing");
   } catch (const UsageError& e) {
     throw UsageError(job.where + ": " + e.what());

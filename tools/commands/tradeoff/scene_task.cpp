@@ -34,7 +34,7 @@ Task make_scene_task(const std::string& name, const LoadedScene& loaded, const S
   Viewpoint from = viewpoint_of(at, loaded.scene, options.path);
   from.to = projection_of(name, parts[1]);
   if (parts.size() == 3) from.size = size_of(name, parts[2]);
-  const Shot shot = loaded.shot(options.time, options);
+  const FrameState shot = loaded.shot(options.time, options);
   if (from.without >= 0) from.at = centre_of(loaded.scene, shot.pose, from.without);
   const auto cast = [shot, from] { return Outcome{std::move(raycast(shot, from).radiance.base())}; };
   Task task{.name = name, .reference = "--method raycast", .truth = cast};

@@ -31,7 +31,7 @@ Outcome as_level(const std::vector<Colour>& pixels, int size) {
 // What a picture is drawn of, once for all ways.
 struct Stage {
   const LoadedScene& loaded;
-  Shot shot;
+  FrameState shot;
   View view;
   int size;
   std::vector<int> mirrors;
@@ -41,7 +41,7 @@ struct Stage {
 };
 
 Outcome draw_once(Gl& gl, const Stage& stage, Projection maps, MirrorLookup lookup, const MirrorOptions& how) {
-  Shot shot = stage.shot;
+  FrameState shot = stage.shot;
   shot.look.lookup = lookup;
   return as_level(picture_through_maps(gl.renderer, shot, choose_mirrors(stage.loaded.scene, {}, maps), stage.eye(),
                                        how),
@@ -85,7 +85,7 @@ Task make_view_task(const std::string& name, const LoadedScene& loaded, const Sc
   const std::vector<std::string> parts = parts_of(name);
   if (parts.size() > 2) throw UsageError(fmt::format("--task '{}' must be one of {}", name, task_words()));
   const int size = parts.size() == 2 ? size_of(name, parts[1]) : 256;
-  const Shot shot = loaded.shot(options.time, options);
+  const FrameState shot = loaded.shot(options.time, options);
   const View view =
       Viewpoints({.camera = camera_of(camera)}, 1, loaded.scene, options.path, shot.pose).view(shot.pose, 0);
   const std::vector<int> mirrors = nodes_of(choose_mirrors(loaded.scene, {}, Projection::cube));

@@ -83,7 +83,7 @@ ClaimedSpace claimed_space(Image& image, const Metadata& recorded, const ColourO
   return encoded && image.decode ? ClaimedSpace{"sRGB", rec709, "integers", true} : written;
 }
 
-void tell_colours(Source& source, Image& image, const Metadata& recorded, const ColourOptions& options) {
+void record_colours(Source& source, Image& image, const Metadata& recorded, const ColourOptions& options) {
   source.claimed = claimed_space(image, recorded, options);
   const StatedColour* stated = image.reader && image.reader->facts.colour ? &*image.reader->facts.colour : nullptr;
   if (stated && image.decode && stated->white_luminance) source.provenance.white_luminance = stated->white_luminance;

@@ -13,7 +13,7 @@ namespace envmap {
 ClaimedSpace claimed_space(Image& image, const Metadata& recorded, const ColourOptions& options);
 
 /// Sets what a source tells of its file's colours, and what became of the file's claims. @throws as claimed_space().
-void tell_colours(Source& source, Image& image, const Metadata& recorded, const ColourOptions& options);
+void record_colours(Source& source, Image& image, const Metadata& recorded, const ColourOptions& options);
 
 /// Whether two files say the same of their colours.
 bool same(const ClaimedSpace& a, const ClaimedSpace& b);

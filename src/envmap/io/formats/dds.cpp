@@ -398,7 +398,7 @@ void write_dds(OutputFile& file, std::span<const Atlas> levels, const TexturePla
   std::vector<Atlas> images;
   for (std::size_t face = 0; face < (cube ? 6 : 1); ++face)
     for (const Atlas& level : levels) images.push_back(images_of(level, cube)[face]);
-  Shares shares(progress, levels);
+  PartsOfProgress shares(progress, levels);
   encode_images(format, images, shares, [&](std::span<const std::byte> rows) { file.put(rows.data(), rows.size()); });
 }
 

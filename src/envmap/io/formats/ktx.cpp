@@ -189,7 +189,7 @@ void write_ktx1(OutputFile& file, std::span<const Atlas> levels, const TexturePl
   file.put(&h, sizeof h);
   file.put(kvd.data(), kvd.size());
 
-  Shares shares(progress, levels);
+  PartsOfProgress shares(progress, levels);
   for (const Atlas& atlas : levels) {
     const std::vector<Atlas> images = images_of(atlas, plan.cube);
     // Of a cube it is the size of one face.
@@ -398,7 +398,7 @@ void write_ktx2(OutputFile& file, std::span<const Atlas> levels, const TexturePl
   h.kvd_offset = h.dfd_offset + h.dfd_size;
   h.kvd_size = std::uint32_t(kvd.size());
 
-  Shares shares(progress, levels);
+  PartsOfProgress shares(progress, levels);
   std::vector<LevelIndex> index(levels.size());
   LevelWriter out(file, plan.zstd);
   file.seek(h.kvd_offset + h.kvd_size);

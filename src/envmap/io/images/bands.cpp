@@ -23,7 +23,7 @@ void for_each_band(const Atlas& atlas, const RowRange& rows, const Progress& pro
     const auto make_next = [&] {
       if (end < rows.end) make(end, next);
     };
-    run_beside(make_next, [&] { write_band(begin, end, band); });
+    overlap(make_next, [&] { write_band(begin, end, band); });
     std::swap(band, next);
     if (progress) progress(double(end - rows.begin) / (rows.end - rows.begin));
   }

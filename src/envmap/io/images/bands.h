@@ -26,10 +26,10 @@ void for_each_band(const Atlas& atlas, const RowRange& rows, const Progress& pro
 void for_each_band(const Atlas& atlas, const Progress& progress, const WriteBand& write_band);
 
 /// The progress of images one after another: each has the share of its texels in those of all levels.
-class Shares {
+class PartsOfProgress {
  public:
   /// @param whole must outlive this; it may be empty.
-  Shares(const Progress& whole, std::span<const Atlas> levels) : whole_(whole) {
+  PartsOfProgress(const Progress& whole, std::span<const Atlas> levels) : whole_(whole) {
     for (const Atlas& level : levels) all_ += level.texels();
   }
   Progress next(const Atlas& image) {

@@ -101,7 +101,7 @@ PackedMap pack(const EnvironmentMap& map, const PackOptions& options, const Run&
       size += made.parts.back().size;
     }
   made.bytes.resize(size);
-  carry_out(run, [&](const Progress& progress) {
+  run_operation(run, [&](const Progress& progress) {
     for (int k = 0; k < made.levels; ++k) {
       const Level& level = map.levels[std::size_t(k)];
       check(level, format, k > 0 ? fmt::format(" of level {}", k) : "");

@@ -44,8 +44,8 @@ BasicPixelBuffer<Byte> checked(BasicPixelBuffer<Byte> b) {
   const std::ptrdiff_t pixel = b.channels * channel;
   if (b.pixel_stride == 0) b.pixel_stride = pixel;
   if (b.pixel_stride < pixel || b.pixel_stride % channel != 0)
-    throw UsageError(fmt::format("pixel_stride must be a multiple of {} and at least {}, not {}", channel, pixel,
-                                 b.pixel_stride));
+    throw UsageError(
+        fmt::format("pixel_stride must be a multiple of {} and at least {}, not {}", channel, pixel, b.pixel_stride));
   const std::ptrdiff_t row = (b.width - 1) * b.pixel_stride + pixel;
   if (b.row_stride == 0) b.row_stride = b.width * b.pixel_stride;
   if (std::abs(b.row_stride) < row || b.row_stride % channel != 0)
@@ -154,7 +154,7 @@ DetectedLayout layout_of(const PixelBuffer& b, const BufferLayout& how) {
 EnvironmentMap map_of(const PixelBuffer& buffer, const BufferLayout& layout, const Run& run) {
   const PixelBuffer b = checked(buffer);
   const DetectedLayout found = layout_of(b, layout);
-  return carry_out(run, [&](const Progress& progress) {
+  return run_operation(run, [&](const Progress& progress) {
     EnvironmentMap map = blank_map({found.projection, layout.forward}, found.size);
     Level& level = map.base();
     if (is_plain(b, found)) {
@@ -172,9 +172,8 @@ EnvironmentMap map_of(const PixelBuffer& buffer, const BufferLayout& layout, con
       const int end = std::min(begin + band_rows, b.height);
       const auto width = std::size_t(b.width);
       std::vector<Colour> band(std::size_t(end - begin) * width);
-      parallel_for(end - begin, [&](int k) {
-        load_row(b, begin + k, std::span(band).subspan(std::size_t(k) * width, width));
-      });
+      parallel_for(end - begin,
+                   [&](int k) { load_row(b, begin + k, std::span(band).subspan(std::size_t(k) * width, width)); });
       scatter(band, b.width, begin, end, places, level);
       if (progress) progress(double(end) / b.height);
     }
@@ -196,23 +195,24 @@ void copy_to(const EnvironmentMap& map, const MutablePixelBuffer& buffer, const 
   const Rows shown = limited.rows();
   const Atlas atlas{shown, grid(options.layout.value_or(default_layout(level.projection())))};
   if (b.width != atlas.width() || b.height != atlas.height())
-    throw UsageError(fmt::format("the image must be {}x{}, not {}x{}", atlas.width(), atlas.height(), b.width, b.height));
-  carry_out(run, [&](const Progress& progress) {
+    throw UsageError(
+        fmt::format("the image must be {}x{}, not {}x{}", atlas.width(), atlas.height(), b.width, b.height));
+  run_operation(run, [&](const Progress& progress) {
     for (int begin = 0; begin < b.height; begin += band_rows) {
       const int end = std::min(begin + band_rows, b.height);
       const auto width = std::size_t(b.width);
       std::vector<Colour> band(std::size_t(end - begin) * width);
       atlas.gather(begin, end, band);
-      parallel_for(end - begin, [&](int k) {
-        store_row(b, begin + k, std::span(band).subspan(std::size_t(k) * width, width));
-      });
+      parallel_for(end - begin,
+                   [&](int k) { store_row(b, begin + k, std::span(band).subspan(std::size_t(k) * width, width)); });
       if (progress) progress(double(end) / b.height);
     }
   });
   const ClampStatistics lost = limited.total();
   if (lost.nan > 0) throw UsageError(fmt::format("{} texels are NaN", lost.nan), Remedy::repair);
   if (lost.over + lost.negative > 0 && !options.clamp)
-    throw UsageError(fmt::format("{} texels are beyond what the channels hold: take float32", lost.over + lost.negative),
+    throw UsageError(fmt::format("{} texels are beyond what the channels hold: take float32",
+                                 lost.over + lost.negative),
                      Remedy::clamp_or_dim);
 }
 

@@ -71,7 +71,7 @@ void decode_rgbd(std::span<const std::byte> from, std::span<Colour> to) {
 }
 
 std::vector<RgbdFaces> rgbd_faces(std::span<const Atlas> levels, const Progress& progress) {
-  Shares shares(progress, levels);
+  PartsOfProgress shares(progress, levels);
   std::vector<RgbdFaces> files;
   for (const Atlas& atlas : levels) {
     const std::vector<Atlas> images = images_of(atlas, true);

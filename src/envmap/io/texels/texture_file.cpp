@@ -61,7 +61,7 @@ void encode_rows(const TexelFormat& format, const Atlas& atlas, int begin, int e
   });
 }
 
-void encode_images(const TexelFormat& format, std::span<const Atlas> images, Shares& shares,
+void encode_images(const TexelFormat& format, std::span<const Atlas> images, PartsOfProgress& shares,
                    const std::function<void(std::span<const std::byte> rows)>& write) {
   std::vector<std::byte> rows;
   for (const Atlas& image : images)

@@ -20,7 +20,7 @@
 
 namespace envmap {
 
-class Shares;
+class PartsOfProgress;
 
 /// A texture in a file: its header, checked against the length of the file.
 struct TextureFile {
@@ -76,7 +76,7 @@ void encode_rows(const TexelFormat& format, const Atlas& atlas, int begin, int e
                  std::vector<std::byte>& to);
 
 /// All rows of images, band by band. @param write takes the rows in their order.
-void encode_images(const TexelFormat& format, std::span<const Atlas> images, Shares& shares,
+void encode_images(const TexelFormat& format, std::span<const Atlas> images, PartsOfProgress& shares,
                    const std::function<void(std::span<const std::byte> rows)>& write);
 
 /// The images of a level, one for each face of a cube or all in one.

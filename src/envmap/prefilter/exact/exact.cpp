@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "envmap/base/parallel.h"
+#include "envmap/base/stop_point.h"
 #include "envmap/maths/compensated_sum.h"
 #include "envmap/prefilter/exact/exact_kernels.h"
 #include "envmap/prefilter/lobe_in_rectangle.h"
@@ -180,6 +181,7 @@ std::vector<Flux> row_of(const Level& source, const L& lobe, std::span<const Dir
   for (int i = 0; i < source.width(); ++i) {
     const Flux radiance(*source.texel(face, i, row));
     if (radiance == Flux(0)) continue;
+    stop_point();
     const Rect rect = texel_rect(i, row, w, h);
     const Moments p = moments<P>(face, rect);
     const bool simple = p.bounding_radius < 0.02, together = points && p.bounding_radius < 0.2;

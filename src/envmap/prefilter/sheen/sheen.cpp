@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "envmap/base/parallel.h"
+#include "envmap/base/stop_point.h"
 #include "envmap/base/without_avx512.h"
 #include "envmap/map/environment_map.h"
 #include "envmap/maths/portable.h"
@@ -276,7 +277,10 @@ class SheenSummation {
 void SumAll(const SheenPlan& plan, const SheenBlocks& blocks, std::span<const Direction> directions,
             std::span<SheenSum> out) {
   const auto go = [&](auto summation) {
-    for (std::size_t k = 0; k < directions.size(); ++k) out[k] = summation.over(directions[k]);
+    for (std::size_t k = 0; k < directions.size(); ++k) {
+      stop_point();
+      out[k] = summation.over(directions[k]);
+    }
   };
   if (blocks.is_latlong())
     go(SheenSummation<OnLatlongCells>(plan, blocks));

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "envmap/base/parallel.h"
+#include "envmap/base/stop_point.h"
 #include "envmap/operate/measure.h"
 #include "envmap/prefilter/cell_moments.h"
 #include "envmap/prefilter/error_floor.h"
@@ -343,8 +344,11 @@ void treecode_map(const Tree& tree, const PrefixSums* prefix_sums, const Treecod
     for (int j = y; j < y + h; ++j) any = any || map.wants(face, j);
     if (!any) return;
     TileRow tiles(tree, prefix_sums, lobe, max_error, map);
-    for (int x = 0; x < width; x += tile_side)
-      tiles.fill(face, x, y, std::min(tile_side, width - x), h), tree.source().trim();
+    for (int x = 0; x < width; x += tile_side) {
+      stop_point();
+      tiles.fill(face, x, y, std::min(tile_side, width - x), h);
+      tree.source().trim();
+    }
   });
 }
 

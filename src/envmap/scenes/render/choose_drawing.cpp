@@ -21,7 +21,7 @@ constexpr Lines on_card{20, 5, 18, 5.5, 35, 33, 47, 1, 0.07, 7};
 
 }  // namespace
 
-DrawLoad draw_load(const Shot& shot) {
+DrawLoad draw_load(const FrameState& shot) {
   DrawLoad load{.triangles = triangles(shot.scene), .lights = shot.distant.size(), .shadow_texels = 0};
   load.shadow_texels = shadow_map_texels(load.lights);
   if (!shot.shadows) return load;

@@ -16,7 +16,7 @@ struct DrawLoad {
   std::size_t shadow_texels = 0;  ///< Of their shadow maps.
 };
 
-DrawLoad draw_load(const Shot& shot);
+DrawLoad draw_load(const FrameState& shot);
 
 /// Nanoseconds that a map takes, by a straight line through measurements (docs/explanation/dynamic-maps.md):
 /// so much for each texel drawn and each of its shadows, for each texel of shadow maps, and for each triangle in each

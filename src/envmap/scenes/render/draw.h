@@ -73,7 +73,7 @@ struct MirrorLook {
 };
 
 /// The scene at one moment.
-struct Shot {
+struct FrameState {
   const Scene& scene;
   Pose pose;
   const Environment* environment = nullptr;  ///< Background and light (shading.h); null: black.

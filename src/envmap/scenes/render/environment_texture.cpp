@@ -71,7 +71,7 @@ LightTexture upload(const EnvironmentLight& light) {
 }
 
 EnvironmentTexture upload(const EnvironmentMap& map) {
-  constexpr int aprons = 2 * Level::apron;
+  constexpr int aprons = 2 * Level::padding;
   GLint largest = 0;
   glGetIntegerv(GL_MAX_TEXTURE_SIZE, &largest);
   const bool too_large = std::max(map.base().width(), map.base().height()) + aprons > largest;
@@ -89,7 +89,7 @@ EnvironmentTexture upload(const EnvironmentMap& map) {
   glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
   for (int face = 0; face < level.faces(); ++face)
     glTextureSubImage3D(out.texture, 0, 0, 0, face, width, height, 1, GL_RGB, GL_FLOAT,
-                        level.texel(face, -Level::apron, -Level::apron));
+                        level.texel(face, -Level::padding, -Level::padding));
   gl::interpolate(out.texture);
   gl::check("upload of the environment");
   return out;

@@ -28,14 +28,15 @@ bool is_before(const Plane& mirror, const Viewpoint& eye) {
 }
 
 // How often flat mirrors show each other by pictures: two of them take turns, more of them branch.
-int depth_of(const Shot& shot) {
+int depth_of(const FrameState& shot) {
   if (shot.look.tinted) return 0;  // Tints are of maps.
   const auto flat = std::ranges::count_if(shot.mirrors, [](const MirrorMap& m) { return m.flat.has_value(); });
   return flat <= 2 ? shot.look.pictures : std::min(shot.look.pictures, flat <= 4 ? 2 : 1);
 }
 
 // Pictures in mirrors first. @param ball round the scene. @param depth how often mirrors show mirrors so.
-void draw(Renderer& renderer, const Viewpoint& from, const Shot& shot, const Ball& ball, int depth, MapTexture& to) {
+void draw(Renderer& renderer, const Viewpoint& from, const FrameState& shot, const Ball& ball, int depth,
+          MapTexture& to) {
   std::vector<std::optional<MapTexture>> pictures(shot.mirrors.size());
   std::vector<const MapTexture*> reflections(shot.mirrors.size());
   for (std::size_t k = 0; depth > 0 && k < pictures.size(); ++k) {
@@ -49,14 +50,14 @@ void draw(Renderer& renderer, const Viewpoint& from, const Shot& shot, const Bal
          pictures[k].emplace(from.lens->width, from.size));
     reflections[k] = &*pictures[k];
   }
-  Shot with_pictures = shot;
+  FrameState with_pictures = shot;
   with_pictures.reflections = reflections;
   renderer.draw(from, with_pictures, DrawMethod::distort, to);
 }
 
 }  // namespace
 
-std::vector<Colour> draw_picture(Renderer& renderer, const Viewpoint& from, const Shot& shot) {
+std::vector<Colour> draw_picture(Renderer& renderer, const Viewpoint& from, const FrameState& shot) {
   MapTexture picture(from.lens->width, from.size);
   draw(renderer, from, shot, bounds(shot.scene, shot.pose), depth_of(shot), picture);
   std::vector<glm::vec4> texels(ImageView<glm::vec4>::count(picture.width, picture.size));

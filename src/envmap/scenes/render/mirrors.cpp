@@ -34,7 +34,7 @@ bool is_metal(const Scene& scene, int node) {
 
 // What a mirror shows stands still. Where lights shine, the mirror's own nodes count, too: they may hold lights, and
 // they cast shadows.
-bool same_surroundings(const Shot& shot, int mirror, const Pose& before) {
+bool same_surroundings(const FrameState& shot, int mirror, const Pose& before) {
   if (shot.pose.size() != before.size()) return false;
   const bool is_lit = !shot.scene.lights.empty() || !shot.distant.empty();
   for (std::size_t node = 0; node < before.size(); ++node)
@@ -115,7 +115,7 @@ std::vector<int> nodes_of(const std::vector<Mirror>& mirrors) {
 Mirrors::Mirrors(const Scene& scene, std::vector<Mirror> mirrors)
     : scene_(scene), mirrors_(std::move(mirrors)), maps_(mirrors_.size()), drawn_(mirrors_.size()) {}
 
-void Mirrors::add_wanted(std::size_t k, const Shot& shot, const Viewer& viewer, Wanted& want) const {
+void Mirrors::add_wanted(std::size_t k, const FrameState& shot, const Viewer& viewer, Wanted& want) const {
   const Mirror& mirror = mirrors_[k];
   std::optional<Direction> middle;
   if (shot.look.lookup == MirrorLookup::distance && !want.front) middle = want.at;
@@ -124,11 +124,11 @@ void Mirrors::add_wanted(std::size_t k, const Shot& shot, const Viewer& viewer, 
     const Mesh& mesh = scene_.meshes[instance.mesh];
     const Matrix& world = shot.pose[instance.node];
     const auto add = [&](const MirrorOptics& optics) {
-      const Shown shown = reflection_bounds(viewer, mesh, world, optics, middle);
+      const VisibleCone shown = reflection_bounds(viewer, mesh, world, optics, middle);
       want.caps.insert(want.caps.end(), shown.caps.begin(), shown.caps.end());
       return shown;
     };
-    const Shown shown = add(mirror.optics);
+    const VisibleCone shown = add(mirror.optics);
     if (viewer.pixel > 0) {
       want.spacing = std::min(want.spacing, viewer.pixel * shown.widening);
       want.pixels += shown.solid_angle / (viewer.pixel * viewer.pixel);
@@ -139,7 +139,7 @@ void Mirrors::add_wanted(std::size_t k, const Shot& shot, const Viewer& viewer, 
   }
 }
 
-std::optional<Direction> Mirrors::normal_of(const Mirror& mirror, const Shot& shot) const {
+std::optional<Direction> Mirrors::normal_of(const Mirror& mirror, const FrameState& shot) const {
   std::optional<Direction> normal;
   if (mirror.optics.refracts()) return {};
   for (const Instance& instance : instances(scene_)) {
@@ -151,7 +151,7 @@ std::optional<Direction> Mirrors::normal_of(const Mirror& mirror, const Shot& sh
   return normal;
 }
 
-void Mirrors::set_flat(std::size_t k, const Shot& shot, const Wanted& want) {
+void Mirrors::set_flat(std::size_t k, const FrameState& shot, const Wanted& want) {
   MirrorMap& map = maps_[k];
   map.flat.reset(), map.radius = 0, map.centre = want.at;
   if (!want.normal || mirrors_[k].rough) return;
@@ -168,7 +168,7 @@ void Mirrors::set_flat(std::size_t k, const Shot& shot, const Wanted& want) {
 
 // First what the viewers see, then what is seen in mirrors that are seen, and so on. Pictures say how large maps are;
 // where a mirror is in none of them, the first map does that it is seen in.
-std::vector<Mirrors::Wanted> Mirrors::wanted(const Shot& shot, const std::vector<Viewer>& viewers) const {
+std::vector<Mirrors::Wanted> Mirrors::wanted(const FrameState& shot, const std::vector<Viewer>& viewers) const {
   std::vector<Wanted> want(mirrors_.size());
   for (std::size_t k = 0; k < want.size(); ++k) {
     want[k].at = centre_of(scene_, shot.pose, mirrors_[k].node);
@@ -196,7 +196,7 @@ std::vector<Mirrors::Wanted> Mirrors::wanted(const Shot& shot, const std::vector
 }
 
 // Size and axes stay as they are as long as they will do, so that the map can stay.
-Mirrors::Plan Mirrors::plan(std::size_t k, const Shot& shot, const Wanted& want, const Viewer& viewer,
+Mirrors::Plan Mirrors::plan(std::size_t k, const FrameState& shot, const Wanted& want, const Viewer& viewer,
                             const MirrorOptions& options) const {
   const Mirror& mirror = mirrors_[k];
   const MirrorMap& map = maps_[k];
@@ -253,7 +253,7 @@ unsigned Mirrors::needed_faces(std::size_t k, const Wanted& want, const Plan& pl
 
 // A map of another size or turned otherwise takes the place of the old one when it is drawn: until then, other mirrors
 // look that up. Faces that nobody needs show the environment.
-void Mirrors::draw(std::size_t k, Renderer& renderer, const Shot& shot, const Direction& at, const Plan& plan,
+void Mirrors::draw(std::size_t k, Renderer& renderer, const FrameState& shot, const Direction& at, const Plan& plan,
                    unsigned needed, const MirrorOptions& options) {
   MirrorMap& map = maps_[k];
   const Mirror& mirror = mirrors_[k];
@@ -268,7 +268,7 @@ void Mirrors::draw(std::size_t k, Renderer& renderer, const Shot& shot, const Di
                  .cull = !options.all,
                  .show_ambient = true,
                  .mean_background = true};
-  Shot with_maps = shot;
+  FrameState with_maps = shot;
   with_maps.mirrors = maps_;
   with_maps.look = {.lookup = shot.look.lookup == MirrorLookup::vertex ? MirrorLookup::direction : shot.look.lookup,
                     .images = true};
@@ -295,7 +295,7 @@ void Mirrors::draw(std::size_t k, Renderer& renderer, const Shot& shot, const Di
                                         std::min(glossy_size, plan.size), plan.size));
 }
 
-MirrorUpdates Mirrors::update(Renderer& renderer, const Shot& shot, const std::vector<Viewer>& viewers,
+MirrorUpdates Mirrors::update(Renderer& renderer, const FrameState& shot, const std::vector<Viewer>& viewers,
                               const MirrorOptions& options) {
   using enum MapUpdate::Outcome;
   MirrorUpdates updates;

@@ -70,7 +70,7 @@ class Mirrors {
 
   /// Draws what the viewers need.
   /// @param viewers at least one.
-  MirrorUpdates update(Renderer& renderer, const Shot& shot, const std::vector<Viewer>& viewers,
+  MirrorUpdates update(Renderer& renderer, const FrameState& shot, const std::vector<Viewer>& viewers,
                        const MirrorOptions& options);
 
   [[nodiscard]] const std::vector<MirrorMap>& maps() const { return maps_; }
@@ -101,16 +101,16 @@ class Mirrors {
   };
 
   // The normal of a mirror that is flat.
-  [[nodiscard]] std::optional<Direction> normal_of(const Mirror& mirror, const Shot& shot) const;
+  [[nodiscard]] std::optional<Direction> normal_of(const Mirror& mirror, const FrameState& shot) const;
   // For pictures of flat mirrors.
-  void set_flat(std::size_t k, const Shot& shot, const Wanted& want);
-  void add_wanted(std::size_t k, const Shot& shot, const Viewer& viewer, Wanted& want) const;
-  [[nodiscard]] std::vector<Wanted> wanted(const Shot& shot, const std::vector<Viewer>& viewers) const;
-  [[nodiscard]] Plan plan(std::size_t k, const Shot& shot, const Wanted& want, const Viewer& viewer,
+  void set_flat(std::size_t k, const FrameState& shot, const Wanted& want);
+  void add_wanted(std::size_t k, const FrameState& shot, const Viewer& viewer, Wanted& want) const;
+  [[nodiscard]] std::vector<Wanted> wanted(const FrameState& shot, const std::vector<Viewer>& viewers) const;
+  [[nodiscard]] Plan plan(std::size_t k, const FrameState& shot, const Wanted& want, const Viewer& viewer,
                           const MirrorOptions& options) const;
   [[nodiscard]] unsigned needed_faces(std::size_t k, const Wanted& want, const Plan& plan) const;
-  void draw(std::size_t k, Renderer& renderer, const Shot& shot, const Direction& at, const Plan& plan, unsigned needed,
-            const MirrorOptions& options);
+  void draw(std::size_t k, Renderer& renderer, const FrameState& shot, const Direction& at, const Plan& plan,
+            unsigned needed, const MirrorOptions& options);
 
   const Scene& scene_;
   std::vector<Mirror> mirrors_;

@@ -28,7 +28,7 @@ std::string number(auto value) { return std::to_string(int(value)); }
 
 gl::Definitions constants() {
   gl::Definitions all{{"PI", fmt::format("{}", float(pi))},
-                      {"APRON", fmt::format("{}.0", Level::apron)},
+                      {"APRON", fmt::format("{}.0", Level::padding)},
                       {"MAX_GLOSSY_LEVELS", number(max_glossy_levels)},
                       {"POINT", number(PunctualLight::Kind::point)},
                       {"SPOT", number(PunctualLight::Kind::spot)},

@@ -74,7 +74,7 @@ struct Shading {
   /// Of the map that is reflected: cube, sphere or paraboloid; none: the environment.
   std::optional<Projection> mirror;
   MirrorLookup lookup = MirrorLookup::direction;
-  bool by_picture = false;  ///< Of Shot::reflections, and no map.
+  bool by_picture = false;  ///< Of FrameState::reflections, and no map.
   auto operator<=>(const Shading&) const = default;
 };
 gl::Program shading_program(const Shading& shading);

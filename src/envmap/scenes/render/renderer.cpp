@@ -66,7 +66,7 @@ constexpr float nowhere = std::numeric_limits<float>::infinity();
 
 // A cube of the same size, which is at least as dense as any of the others nearly everywhere, and the bilinear filter.
 // Distance and surface are those of the cube's texel in that direction.
-Drawn resample(Renderer& renderer, const Viewpoint& from, const Shot& shot) {
+Drawn resample(Renderer& renderer, const Viewpoint& from, const FrameState& shot) {
   Viewpoint all_round = from;
   all_round.to = Projection::cube;
   Drawn cube = draw(renderer, all_round, shot, DrawMethod::distort);
@@ -119,7 +119,7 @@ EnvironmentMap read_back(const MapTexture& map, std::vector<float>* distances) {
   return out;
 }
 
-Drawn draw(Renderer& renderer, const Viewpoint& from, const Shot& shot, DrawMethod method) {
+Drawn draw(Renderer& renderer, const Viewpoint& from, const FrameState& shot, DrawMethod method) {
   if (method == DrawMethod::resample && from.to != Projection::cube) return resample(renderer, from, shot);
   if (method == DrawMethod::resample) method = DrawMethod::distort;
   MapTexture map(from.to, from.size);
@@ -132,19 +132,19 @@ Drawn draw(Renderer& renderer, const Viewpoint& from, const Shot& shot, DrawMeth
 namespace {
 
 // What a group's mirror shows; null for what is none, or has no map yet.
-const MirrorMap* map_of(const Group& group, const Shot& shot) {
+const MirrorMap* map_of(const Group& group, const FrameState& shot) {
   if (group.mirror < 0 || shot.mirrors.empty()) return nullptr;
   const MirrorMap& map = shot.mirrors[group.mirror];
   return map.texture ? &map : nullptr;
 }
 
 // What it shows in this picture; null for what shows a map or the environment.
-const MapTexture* reflection_of(const Group& group, const Shot& shot) {
+const MapTexture* reflection_of(const Group& group, const FrameState& shot) {
   return group.mirror < 0 || shot.reflections.empty() ? nullptr : shot.reflections[group.mirror];
 }
 
 // Whether what a group reflects counts as its image in the map that is drawn, whether it has a map itself yet or not.
-bool shows_image(const Group& group, const Shot& shot) {
+bool shows_image(const Group& group, const FrameState& shot) {
   return shot.look.images && group.mirror >= 0 && !shot.mirrors.empty() && shot.mirrors[group.mirror].metal &&
          shot.mirrors[group.mirror].flat;
 }
@@ -217,7 +217,7 @@ void Renderer::update(const Scene& scene, int mesh) {
   distant_shadows_.forget();
 }
 
-const gl::Program& Renderer::shading(const Group& group, const Shot& shot) {
+const gl::Program& Renderer::shading(const Group& group, const FrameState& shot) {
   int textures = 0;
   for (std::size_t k = 0; k < group.textures.size(); ++k) textures |= group.textures[k] >= 0 ? 1 << k : 0;
   Shading wanted{.environment = environment_.projection,
@@ -237,14 +237,14 @@ const gl::Program& Renderer::shading(const Group& group, const Shot& shot) {
 }
 
 // The environment's, or that of a rough mirror's own map.
-const LightTexture& Renderer::light_of(const Group& group, const Shot& shot) const {
+const LightTexture& Renderer::light_of(const Group& group, const FrameState& shot) const {
   const MirrorMap* mirror = reflection_of(group, shot) == nullptr ? map_of(group, shot) : nullptr;
   return mirror != nullptr && mirror->glossy ? *mirror->glossy : light_;
 }
 
 // What shines on a group from all round: the environment and ambient light, or the group's own map as far as that goes.
 void Renderer::set_light(const gl::Program& program, const Group& group, const Viewpoint& from,
-                         const Shot& shot) const {
+                         const FrameState& shot) const {
   const MapTexture* picture = reflection_of(group, shot);
   const MirrorMap* mirror = picture == nullptr ? map_of(group, shot) : nullptr;
   const bool image = shows_image(group, shot);
@@ -330,13 +330,13 @@ void Renderer::light(const gl::Program& program, const Viewpoint& from, int sten
   glDrawArrays(GL_TRIANGLES, 0, 3);
 }
 
-void Renderer::shade_background(const Viewpoint& from, const Shot& shot) {
+void Renderer::shade_background(const Viewpoint& from, const FrameState& shot) {
   gl::set(background_, "behind", from.show_ambient ? shot.ambient : Colour(0));
   gl::set(background_, "environment_texel", from.mean_background ? float(environment_.texel) : 1e9F);
   light(background_, from, 0);
 }
 
-void Renderer::shade_group(const Viewpoint& from, const Shot& shot, std::size_t k, bool blended) {
+void Renderer::shade_group(const Viewpoint& from, const FrameState& shot, std::size_t k, bool blended) {
   const Group& group = gpu_.groups()[k];
   if (group.blended != blended) return;
   // What is left out is not shaded: its map may be what is being drawn.
@@ -349,7 +349,7 @@ void Renderer::shade_group(const Viewpoint& from, const Shot& shot, std::size_t 
 }
 
 // Maps that are not of this moment yet.
-void Renderer::draw_shadows(const Shot& shot) {
+void Renderer::draw_shadows(const FrameState& shot) {
   if (shot.shadows && gpu_.lights() > 0 && !shadows_.are_of(shot.pose))
     shadows_.draw(gpu_, shot, shadow_views(placed_lights(shot.scene, shot.pose), bounds(shot.scene, shot.pose)));
   if (shot.distant.empty() || distant_shadows_.are_of(shot.pose)) return;
@@ -365,7 +365,7 @@ void Renderer::draw_shadows(const Shot& shot) {
   distant_shadows_.draw(gpu_, shot, std::move(faces));
 }
 
-void Renderer::bind_shadows(const Shot& shot, const Direction& eye) const {
+void Renderer::bind_shadows(const FrameState& shot, const Direction& eye) const {
   if (shot.shadows) shadows_.bind(eye, unit_shadows, GL_SHADER_STORAGE_BUFFER, buffer_shadow_views);
   if (shot.distant.empty()) return;
   distant_shadows_.bind(eye, unit_distant_shadows, GL_UNIFORM_BUFFER, block_distant_faces);
@@ -381,7 +381,7 @@ void Renderer::prepare_canvas(const Viewpoint& from) {
   if (gpu_.blends() && !layers_) layers_.emplace(*canvas_);
 }
 
-double Renderer::draw(const Viewpoint& from, const Shot& shot, DrawMethod method, MapTexture& to,
+double Renderer::draw(const Viewpoint& from, const FrameState& shot, DrawMethod method, MapTexture& to,
                       std::vector<std::uint32_t>* surfaces) {
   if (!from.lens && !can_draw(method, from.to))
     throw UsageError(fmt::format("{} cannot draw {} maps", draw_method_names[std::size_t(method)], name(from.to)));
@@ -425,7 +425,7 @@ double Renderer::draw(const Viewpoint& from, const Shot& shot, DrawMethod method
   return may_lack ? counted(missing) : 0;
 }
 
-void Renderer::draw_background(const Viewpoint& from, const Shot& shot, MapTexture& to) {
+void Renderer::draw_background(const Viewpoint& from, const FrameState& shot, MapTexture& to) {
   prepare_canvas(from);
   gpu_.bind();
   for (int face = 0; face < faces(from.to); ++face) {

@@ -54,19 +54,19 @@ struct MirrorMap {
 /// Needs a current context, and goes before it.
 class Renderer {
  public:
-  /// @param environment of all that is drawn (shading.h); null: black. @param mirrors nodes, of which Shot::mirrors are
-  /// the maps. @throws UsageError where GL cannot hold a part of the scene.
+  /// @param environment of all that is drawn (shading.h); null: black. @param mirrors nodes, of which
+  /// FrameState::mirrors are the maps. @throws UsageError where GL cannot hold a part of the scene.
   Renderer(const Scene& scene, const Environment* environment, std::vector<int> mirrors = {});
 
   /// Draws the faces of `from.which` and leaves the others alone.
   /// @param method of those that draw: exact, distort or tessellate. @param surfaces of Drawn, if that is asked for.
   /// @throws UsageError where can_draw() says no, and where the face is too large.
   /// @return Drawn::missing_solid_angle.
-  double draw(const Viewpoint& from, const Shot& shot, DrawMethod method, MapTexture& to,
+  double draw(const Viewpoint& from, const FrameState& shot, DrawMethod method, MapTexture& to,
               std::vector<std::uint32_t>* surfaces = nullptr);
 
   /// The environment alone in the faces of `from.which`.
-  void draw_background(const Viewpoint& from, const Shot& shot, MapTexture& to);
+  void draw_background(const Viewpoint& from, const FrameState& shot, MapTexture& to);
 
   /// From the level that was drawn, in the faces of `which`. @param map cube, sphere or paraboloid.
   /// @param surfaces alone, without the environment, and how much they cover in place of the distance: what lookup by
@@ -81,7 +81,7 @@ class Renderer {
 
  private:
   const gl::Program& visibility(DrawMethod method, Projection p, bool holes, bool layered);
-  const gl::Program& shading(const Group& group, const Shot& shot);
+  const gl::Program& shading(const Group& group, const FrameState& shot);
   const gl::Texture& rays(const Viewpoint& from, int face, int sample);
   void begin_finding(GLuint into, bool blended) const;
   // What one search for surfaces is about.
@@ -91,24 +91,24 @@ class Renderer {
     bool blended;  // Of opaque surfaces the nearest are found, of blended ones the furthest.
     bool counts;   // What is left out is added up.
   };
-  void find_surfaces(const Viewpoint& from, const Shot& shot, DrawMethod method, const Pass& pass);
-  const LightTexture& light_of(const Group& group, const Shot& shot) const;
-  void set_light(const gl::Program& program, const Group& group, const Viewpoint& from, const Shot& shot) const;
+  void find_surfaces(const Viewpoint& from, const FrameState& shot, DrawMethod method, const Pass& pass);
+  const LightTexture& light_of(const Group& group, const FrameState& shot) const;
+  void set_light(const gl::Program& program, const Group& group, const Viewpoint& from, const FrameState& shot) const;
   void bind_map(const MapTexture& to, int face, int sample) const;
   void bind_sample() const;
   void begin_shading() const;
-  void shade_background(const Viewpoint& from, const Shot& shot);
-  void shade_group(const Viewpoint& from, const Shot& shot, std::size_t group, bool blended);
-  void blend(const Viewpoint& from, const Shot& shot, DrawMethod method, int face, int sample);
+  void shade_background(const Viewpoint& from, const FrameState& shot);
+  void shade_group(const Viewpoint& from, const FrameState& shot, std::size_t group, bool blended);
+  void blend(const Viewpoint& from, const FrameState& shot, DrawMethod method, int face, int sample);
   void add_sample(const MapTexture& to, int face, int sample, int samples);
   void light(const gl::Program& program, const Viewpoint& from, int stencil) const;
-  void draw_shadows(const Shot& shot);
-  void bind_shadows(const Shot& shot, const Direction& eye) const;
+  void draw_shadows(const FrameState& shot);
+  void bind_shadows(const FrameState& shot, const Direction& eye) const;
   void prepare_canvas(const Viewpoint& from);
 
   std::vector<int> mirrors_;
   GpuScene gpu_;
-  ShadowMaps shadows_, distant_shadows_;  // Of punctual lights, and of Shot::distant.
+  ShadowMaps shadows_, distant_shadows_;  // Of punctual lights, and of FrameState::distant.
   gl::Buffer distant_lights_;
   EnvironmentTexture environment_;
   LightTexture light_;
@@ -125,7 +125,7 @@ class Renderer {
 };
 
 /// The map in memory, by any method but raycast: `resample` draws a cube of the same size and converts it.
-Drawn draw(Renderer& renderer, const Viewpoint& from, const Shot& shot, DrawMethod method);
+Drawn draw(Renderer& renderer, const Viewpoint& from, const FrameState& shot, DrawMethod method);
 
 /// Whether a sphere in the world may be in the picture.
 bool is_in_picture(const Viewpoint& from, const Direction& centre, double radius);
@@ -134,7 +134,7 @@ bool is_in_picture(const Viewpoint& from, const Direction& centre, double radius
 /// and flat mirrors in those: as deep as MirrorLook::pictures where there are two of them, once or twice where there
 /// are more. Beyond that, and in all others, they look their maps up. Source: Diefenbach 1996, "Pipeline rendering:
 /// interaction and realism through hardware-based multi-pass rendering".
-std::vector<Colour> draw_picture(Renderer& renderer, const Viewpoint& from, const Shot& shot);
+std::vector<Colour> draw_picture(Renderer& renderer, const Viewpoint& from, const FrameState& shot);
 
 /// What is in the texture, with distances if asked for.
 EnvironmentMap read_back(const MapTexture& map, std::vector<float>* distances = nullptr);

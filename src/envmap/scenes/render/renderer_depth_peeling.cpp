@@ -4,7 +4,7 @@
 namespace envmap {
 
 // From the furthest layer to the nearest: of each texel there is the furthest surface that is nearer than the last.
-void Renderer::blend(const Viewpoint& from, const Shot& shot, DrawMethod method, int face, int sample) {
+void Renderer::blend(const Viewpoint& from, const FrameState& shot, DrawMethod method, int face, int sample) {
   const gl::Query query = gl::make_query(GL_ANY_SAMPLES_PASSED);
   const gl::Texture* behind = &canvas_->depth;
   bool first = true;

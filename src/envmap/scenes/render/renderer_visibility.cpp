@@ -77,7 +77,7 @@ void Renderer::begin_finding(GLuint into, bool blended) const {
   glPatchParameteri(GL_PATCH_VERTICES, 3);
 }
 
-void Renderer::find_surfaces(const Viewpoint& from, const Shot& shot, DrawMethod method, const Pass& pass) {
+void Renderer::find_surfaces(const Viewpoint& from, const FrameState& shot, DrawMethod method, const Pass& pass) {
   const auto [face, sample, into, blended, counts] = pass;
   const Projection image = from.lens ? Projection::cube : from.to;
   const bool tessellated = method == DrawMethod::tessellate && image_shape(image) == ImageShape::disc;

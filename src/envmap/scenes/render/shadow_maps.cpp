@@ -65,7 +65,7 @@ void ShadowMaps::bind(const Direction& eye, Unit unit, GLenum target, Unit bindi
 }
 
 // The scene is placed as seen from the face's centre, along the axes of the world.
-void ShadowMaps::draw_face(std::size_t face, const GpuScene& gpu, const Shot& shot) {
+void ShadowMaps::draw_face(std::size_t face, const GpuScene& gpu, const FrameState& shot) {
   glNamedFramebufferTextureLayer(seen_, GL_COLOR_ATTACHMENT0, maps_, 0, static_cast<GLint>(face));
   glBindFramebuffer(GL_FRAMEBUFFER, seen_);
   constexpr std::array<float, 4> nothing{0, 0, -1e30F, 0};
@@ -98,7 +98,7 @@ void ShadowMaps::draw_face(std::size_t face, const GpuScene& gpu, const Shot& sh
   }
 }
 
-void ShadowMaps::draw(GpuScene& gpu, const Shot& shot, std::vector<ShadowView> faces) {
+void ShadowMaps::draw(GpuScene& gpu, const FrameState& shot, std::vector<ShadowView> faces) {
   pose_ = shot.pose;
   faces_ = std::move(faces);
   if (faces_.empty()) return;

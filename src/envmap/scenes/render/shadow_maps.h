@@ -16,7 +16,7 @@ class ShadowMaps {
  public:
   /// Draws them. The scene must be placed anew after this.
   /// @param faces as many as before. @throws UsageError where the renderer has no room for so many.
-  void draw(GpuScene& gpu, const Shot& shot, std::vector<ShadowView> faces);
+  void draw(GpuScene& gpu, const FrameState& shot, std::vector<ShadowView> faces);
 
   /// Whether they are of this moment.
   [[nodiscard]] bool are_of(const Pose& pose) const { return pose == pose_; }
@@ -30,7 +30,7 @@ class ShadowMaps {
  private:
   void make(std::size_t faces);
   void place(const Direction& eye) const;
-  void draw_face(std::size_t face, const GpuScene& gpu, const Shot& shot);
+  void draw_face(std::size_t face, const GpuScene& gpu, const FrameState& shot);
   const gl::Program& program(bool holes);
 
   Pose pose_;  // Of what is drawn.

@@ -122,15 +122,15 @@ Direction MirrorOptics::turned(const Direction& view, const Direction& normal) c
   return unit_or_z(glm::refract(view, glm::faceforward(normal, view, normal), 1 / ior));
 }
 
-Shown reflection_bounds(const Viewer& viewer, const Mesh& mesh, const Matrix& world, const MirrorOptics& optics,
-                        const std::optional<Direction>& middle, double fineness) {
+VisibleCone reflection_bounds(const Viewer& viewer, const Mesh& mesh, const Matrix& world, const MirrorOptics& optics,
+                              const std::optional<Direction>& middle, double fineness) {
   const Rotation turn(world), normals = glm::determinant(turn) != 0 ? glm::transpose(glm::inverse(turn)) : turn;
   const double handed = glm::determinant(turn) < 0 ? -1 : 1;  // A mirrored node's triangles are wound the other way.
   const auto corner = [&](std::uint32_t index) {
     return Corner{Direction(world * glm::vec<4, double, glm::highp>(mesh.positions[index], 1)),
                   unit_or_z(normals * Direction(mesh.normals[index]))};
   };
-  Shown shown;
+  VisibleCone shown;
   std::vector<Widening> widenings;
   Search search{viewer, optics, middle, fineness, shown.caps, widenings};
   for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {

@@ -38,7 +38,7 @@ struct MirrorOptics {
   [[nodiscard]] Direction turned(const Direction& view, const Direction& normal) const;
 };
 
-struct Shown {
+struct VisibleCone {
   std::vector<DirectionCone> caps;
   /// The least that directions turn for each radian that the ray does: 1 for flat mirrors and along cylinders, more on
   /// balls. A tenth of what is seen may be below. Infinite where nothing is seen.
@@ -56,8 +56,8 @@ struct Shown {
 /// distance read there.
 /// @param world places the mesh. @param middle of the map, if it is looked up by distance. @param fineness of the caps
 /// in radians; wider ones are split up to six times.
-Shown reflection_bounds(const Viewer& viewer, const Mesh& mesh, const Matrix& world, const MirrorOptics& optics,
-                        const std::optional<Direction>& middle = {}, double fineness = 0.2);
+VisibleCone reflection_bounds(const Viewer& viewer, const Mesh& mesh, const Matrix& world, const MirrorOptics& optics,
+                              const std::optional<Direction>& middle = {}, double fineness = 0.2);
 
 /// The normal of a mesh that is flat, in the world: all rays from it stay on its side. None of others.
 std::optional<Direction> flat_normal(const Mesh& mesh, const Matrix& world);

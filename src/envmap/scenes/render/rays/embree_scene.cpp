@@ -28,7 +28,7 @@ struct InstanceTransform {
   double handed = 1;                 // -1: mirrored.
 };
 
-InstanceTransform place(const Shot& shot, const Direction& centre, const Instance& instance) {
+InstanceTransform place(const FrameState& shot, const Direction& centre, const Instance& instance) {
   InstanceTransform p{.scene = &shot.scene, .mesh = &shot.scene.meshes[instance.mesh], .node = instance.node};
   p.material = &shot.scene.materials[p.mesh->material];
   const Matrix& world = shot.pose[instance.node];
@@ -49,7 +49,7 @@ InstanceTransform place(const Shot& shot, const Direction& centre, const Instanc
 }
 
 // Where a ray meets the plane of a triangle: what each corner counts for, and whether from the back.
-struct Meeting {
+struct RayQuery {
   std::uint32_t corners[3];
   Direction weights;
   double distance;
@@ -64,8 +64,8 @@ struct Meeting {
 };
 
 // Volumes of the ray with the sides (Moeller and Trumbore 1997, symmetric); Embree's own are float32.
-Meeting meet(const InstanceTransform& p, std::size_t triangle, const Direction& origin, const Direction& ray) {
-  Meeting m{};
+RayQuery meet(const InstanceTransform& p, std::size_t triangle, const Direction& origin, const Direction& ray) {
+  RayQuery m{};
   Direction corner[3];
   for (std::size_t k = 0; k < 3; ++k) {
     m.corners[k] = p.indices[3 * triangle + k];
@@ -86,7 +86,7 @@ glm::vec4 sample(const InstanceTransform& p, int texture, const glm::vec2& at) {
   return texture < 0 ? glm::vec4(1) : texture_at(p.scene->textures[texture], at);
 }
 
-glm::vec4 base_colour(const InstanceTransform& p, const Meeting& m) {
+glm::vec4 base_colour(const InstanceTransform& p, const RayQuery& m) {
   const glm::vec4 own = p.material->base_colour * sample(p, p.material->base_colour_texture, m.of(p.mesh->coordinates));
   return p.mesh->colours.empty() ? own : own * m.of(p.mesh->colours);
 }
@@ -99,7 +99,7 @@ struct Query : embree::Context {
 };
 
 // For light; to the eye what is blended has no holes.
-bool is_hole(const InstanceTransform& p, const Meeting& m) {
+bool is_hole(const InstanceTransform& p, const RayQuery& m) {
   return p.material->alpha_cutoff > 0 && base_colour(p, m).w < p.material->alpha_cutoff;
 }
 
@@ -119,7 +119,7 @@ void filter(const RTCFilterFunctionNArguments* call) {
   const InstanceTransform& p = *static_cast<const InstanceTransform*>(call->geometryUserPtr);
   if (call->N != 1) return;
   const Query& query = *static_cast<const Query*>(call->context);
-  const Meeting m = meet(p, RTCHitN_primID(call->hit, 1, 0), query.origin, query.ray);
+  const RayQuery m = meet(p, RTCHitN_primID(call->hit, 1, 0), query.origin, query.ray);
   const bool ends_solid = query.medium == Medium::solid && p.material->solid;
   const bool shown =
       p.seen && (!m.back || p.material->double_sided || ends_solid) && (p.material->blended || !is_hole(p, m));
@@ -127,7 +127,7 @@ void filter(const RTCFilterFunctionNArguments* call) {
 }
 
 // From a place on a triangle to the mean of where the planes of its corners have it; none where those lie below.
-Direction lift(const InstanceTransform& p, const Meeting& m, const Direction& place, double side) {
+Direction lift(const InstanceTransform& p, const RayQuery& m, const Direction& place, double side) {
   Direction sum(0);
   for (int k = 0; k < 3; ++k) {
     const Direction normal = unit(p.normals * Direction(p.mesh->normals[m.corners[k]]) * side);
@@ -138,7 +138,7 @@ Direction lift(const InstanceTransform& p, const Meeting& m, const Direction& pl
 }
 
 // What a map makes of the normal of the front (glTF 2.0, 3.9.3).
-Direction mapped_normal(const InstanceTransform& p, const Meeting& m, int texture, double scale,
+Direction mapped_normal(const InstanceTransform& p, const RayQuery& m, int texture, double scale,
                         const Direction& normal) {
   if (texture < 0) return normal;
   const glm::vec4 interpolated = m.of(p.mesh->tangents);
@@ -149,7 +149,7 @@ Direction mapped_normal(const InstanceTransform& p, const Meeting& m, int textur
 }
 
 // @param place from the tree's centre.
-ShadingPoint surface_at(const InstanceTransform& p, const Meeting& m, const Direction& centre, const Direction& place,
+ShadingPoint surface_at(const InstanceTransform& p, const RayQuery& m, const Direction& centre, const Direction& place,
                         const Direction& ray) {
   const Direction position = centre + place;
   const Material& material = *p.material;
@@ -205,7 +205,8 @@ struct EmbreeScene::World {
   }
 };
 
-EmbreeScene::EmbreeScene(const Shot& shot, const Direction& centre, int without) : world_(std::make_unique<World>()) {
+EmbreeScene::EmbreeScene(const FrameState& shot, const Direction& centre, int without)
+    : world_(std::make_unique<World>()) {
   World& w = *world_;
   w.centre = centre;
   w.device.reset(rtcNewDevice(nullptr));
@@ -250,7 +251,7 @@ std::optional<SurfaceHit> EmbreeScene::find(const Direction& origin, const Direc
   embree::intersect(world_->tree.get(), query, hit);
   if (hit.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
   const InstanceTransform& p = world_->placed[hit.hit.geomID];
-  const Meeting m = meet(p, hit.hit.primID, origin, ray);
+  const RayQuery m = meet(p, hit.hit.primID, origin, ray);
   // A ray along the triangle's plane meets it where Embree says.
   const double distance = m.distance > 0 && std::isfinite(m.distance) ? m.distance : double(hit.ray.tfar);
   return SurfaceHit{.surface = surface_at(p, m, world_->centre, origin + distance * ray, ray),

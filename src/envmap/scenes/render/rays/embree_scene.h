@@ -27,7 +27,7 @@ class EmbreeScene {
  public:
   /// @param centre world. @param without the node that is not seen, with all below it; -1: none. It casts shadows.
   /// @throws RendererError where Embree runs out of memory.
-  EmbreeScene(const Shot& shot, const Direction& centre, int without);
+  EmbreeScene(const FrameState& shot, const Direction& centre, int without);
   ~EmbreeScene();
 
   /// Returns the closest hit. In air, back faces of single-sided materials are skipped (glTF doubleSided). Inside a

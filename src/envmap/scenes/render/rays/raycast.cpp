@@ -38,7 +38,7 @@ Seen look(const EmbreeScene& tree, const WhittedIntegrator& tracer, const Lighti
 
 }  // namespace
 
-Drawn raycast(const Shot& shot, const Viewpoint& from, const RayPaths& paths, const Progress& progress) {
+Drawn raycast(const FrameState& shot, const Viewpoint& from, const RayPaths& paths, const Progress& progress) {
   const EmbreeScene tree(shot, from.at, from.without);
   const std::optional<LobeIntegral> integral = lobe_integral(shot, paths);
   Lighting light = lighting(shot, &tree);
@@ -77,7 +77,7 @@ Drawn raycast(const Shot& shot, const Viewpoint& from, const RayPaths& paths, co
   return drawn;
 }
 
-std::vector<Colour> raycast_picture(const Shot& shot, const Viewpoint& from, const RayPaths& paths,
+std::vector<Colour> raycast_picture(const FrameState& shot, const Viewpoint& from, const RayPaths& paths,
                                     const Progress& progress) {
   const EmbreeScene tree(shot, from.at, from.without);
   const std::optional<LobeIntegral> integral = lobe_integral(shot, paths);

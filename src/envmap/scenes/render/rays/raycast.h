@@ -20,13 +20,13 @@ struct RayPaths {
 /// Each texel shows what its own ray meets first between the spheres `near` and `far`, lit by shade(), and from mirrors
 /// goes on as in pictures. The same bytes at any number of threads. @param progress may be empty. @throws UsageError
 /// where there is no memory for the scene's tree.
-Drawn raycast(const Shot& shot, const Viewpoint& from, const RayPaths& paths = {}, const Progress& progress = {});
+Drawn raycast(const FrameState& shot, const Viewpoint& from, const RayPaths& paths = {}, const Progress& progress = {});
 
 /// The picture through from.lens, rows from the top: rays go on from smooth mirrors, through thin walls, and through
 /// solids, which they leave by refraction and by reflection inside. All that Embree meets is lit as scatter() says;
 /// what counts for less than a ten-thousandth of a pixel is taken from the environment, as what rough surfaces reflect.
 /// Source: Whitted 1980, "An improved illumination model for shaded display".
-std::vector<Colour> raycast_picture(const Shot& shot, const Viewpoint& from, const RayPaths& paths,
+std::vector<Colour> raycast_picture(const FrameState& shot, const Viewpoint& from, const RayPaths& paths,
                                     const Progress& progress = {});
 
 }  // namespace envmap

@@ -20,12 +20,12 @@ double reflectance(double ior, double cosine) {
 
 }  // namespace
 
-std::optional<LobeIntegral> lobe_integral(const Shot& shot, const RayPaths& paths) {
+std::optional<LobeIntegral> lobe_integral(const FrameState& shot, const RayPaths& paths) {
   if (paths.lobe_samples == 0 || shot.environment == nullptr) return std::nullopt;
   return LobeIntegral(shot.environment->map, shot.environment->lookup, paths.lobe_samples);
 }
 
-WhittedIntegrator::WhittedIntegrator(const EmbreeScene& tree, const Lighting& light, const Shot& shot,
+WhittedIntegrator::WhittedIntegrator(const EmbreeScene& tree, const Lighting& light, const FrameState& shot,
                                      const Viewpoint& from, const RayPaths& paths)
     : tree_(tree), light_(light), from_(from), bounces_(paths.bounces), far_(paths.far) {
   for (const Instance& instance : instances(shot.scene)) {
@@ -79,7 +79,7 @@ Flux WhittedIntegrator::scattered(const SurfaceHit& hit, const Ray& ray) const {
     if (!followed || ray.bounces == 0 || next.weight < negligible) return of_environment();
     return part * (inside ? through(next, s.ior, 0) : along(next));
   };
-  const Followed& followed = followed_[hit.instance];
+  const TracedPath& followed = followed_[hit.instance];
   const Direction v = -ray.along;
   return out.radiance +
          beyond(out.reflected, out.mirrored, followed.base, false, [&] { return reflected_light(s, v, light_, out); }) +

@@ -12,13 +12,13 @@
 namespace envmap {
 
 /// The integrals that RayPaths::lobe_samples asks for.
-std::optional<LobeIntegral> lobe_integral(const Shot& shot, const RayPaths& paths);
+std::optional<LobeIntegral> lobe_integral(const FrameState& shot, const RayPaths& paths);
 
 /// Follows rays through a shot as RayPaths says. What it is made of must outlive it.
 class WhittedIntegrator {
  public:
   /// @param tree of the shot, its centre the viewpoint's.
-  WhittedIntegrator(const EmbreeScene& tree, const Lighting& light, const Shot& shot, const Viewpoint& from,
+  WhittedIntegrator(const EmbreeScene& tree, const Lighting& light, const FrameState& shot, const Viewpoint& from,
                     const RayPaths& paths);
 
   /// What arrives along a ray of the picture. @param origin from the viewpoint. @param ray unit, world.
@@ -46,10 +46,10 @@ class WhittedIntegrator {
   const Viewpoint& from_;
   int bounces_;
   double far_;
-  struct Followed {
+  struct TracedPath {
     bool base, coat;
   };
-  std::vector<Followed> followed_;  // By instance.
+  std::vector<TracedPath> followed_;  // By instance.
 };
 
 }  // namespace envmap

@@ -226,7 +226,7 @@ std::vector<PlacedLight> placed_lights(const Scene& scene, const Pose& pose) {
   return placed;
 }
 
-Lighting lighting(const Shot& shot, const EmbreeScene* obstacles) {
+Lighting lighting(const FrameState& shot, const EmbreeScene* obstacles) {
   return {placed_lights(shot.scene, shot.pose), shot.environment, shot.ambient, obstacles, shot.shadows, shot.distant};
 }
 

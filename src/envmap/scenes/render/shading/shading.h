@@ -102,13 +102,13 @@ struct Lighting {
   Colour ambient{0};
   const EmbreeScene* obstacles = nullptr;   ///< What casts shadows; null: nothing.
   bool shadows = true;                      ///< Of the lights, too.
-  std::span<const DistantLight> distant{};  ///< Shot::distant.
+  std::span<const DistantLight> distant{};  ///< FrameState::distant.
   /// Over `environment`: takes the place of its prefiltered levels and of its harmonics,
   /// of all but rough glass. Optional.
   const LobeIntegral* integral = nullptr;
 };
 /// @param obstacles of the shot, or null: then nothing casts a shadow.
-Lighting lighting(const Shot& shot, const EmbreeScene* obstacles = nullptr);
+Lighting lighting(const FrameState& shot, const EmbreeScene* obstacles = nullptr);
 
 /// Radiance of the environment, without ambient light, from a world direction: black where there is none.
 Colour background(const Environment* environment, const Direction& from);
