@@ -5,7 +5,7 @@
 const data = JSON.parse(document.getElementById('data').textContent);
 const element = (id) => document.getElementById(id);
 const canvas = element('canvas');
-const gl = canvas.getContext('webgl2', {antialias: false});
+const gl = canvas.getContext('webgl2', { antialias: false });
 const curves = ['clip', 'reinhard', 'neutral'];
 const views = ['look around', 'latlong', 'cube', 'sphere', 'paraboloid', 'angular', 'octahedral', 'equal-area'];
 const textureNames = ['map', 'ggx', 'diffuse'];
@@ -13,21 +13,13 @@ const degrees = Math.PI / 180;
 
 // All that decides what is seen. Angles in degrees: yaw from +Z towards +X, as --rotate has it.
 const state = {
-  view: 0,
-  image: 0,
-  level: 0,
-  exposure: data.exposure,
-  curve: curves.indexOf(data.curve),
-  yaw: data.forward,
-  pitch: 0,
-  fov: 75,
+  view: 0, image: 0, level: 0, exposure: data.exposure, curve: curves.indexOf(data.curve), yaw: data.forward, pitch: 0, fov: 75,
   balls: [
-    {x: -0.7, y: -0.45, surface: 'ggx', roughness: 0},
-    {x: 0, y: -0.45, surface: 'ggx', roughness: 0.5},
-    {x: 0.7, y: -0.45, surface: 'diffuse', roughness: 1},
+    { x: -0.7, y: -0.45, surface: 'ggx', roughness: 0 },
+    { x: 0, y: -0.45, surface: 'ggx', roughness: 0.5 },
+    { x: 0.7, y: -0.45, surface: 'diffuse', roughness: 1 },
   ],
-  ballsShown: true,
-  ball: 1,
+  ballsShown: true, ball: 1,
 };
 const ballRadius = 0.3;  // In half heights of the canvas.
 
@@ -49,7 +41,7 @@ function makeProgram(defines) {
   gl.attachShader(program, compiled(gl.FRAGMENT_SHADER, `#version 300 es\n${defines}${element('shader').textContent}`));
   gl.linkProgram(program);
   if (!gl.getProgramParameter(program, gl.LINK_STATUS)) throw new Error(gl.getProgramInfoLog(program));
-  return {program, at: (name) => gl.getUniformLocation(program, name)};
+  return { program, at: (name) => gl.getUniformLocation(program, name) };
 }
 
 function words(base64) {
@@ -61,12 +53,11 @@ function makeTexture(unit, chain) {
   gl.activeTexture(gl.TEXTURE0 + unit);
   gl.bindTexture(gl.TEXTURE_CUBE_MAP, gl.createTexture());
   gl.texStorage2D(gl.TEXTURE_CUBE_MAP, chain.levels.length, gl.RGB9_E5, chain.levels[0].size, chain.levels[0].size);
-  chain.levels.forEach(({size, texels}, level) => {
+  chain.levels.forEach(({ size, texels }, level) => {
     const all = words(texels ?? data.textures.map.levels[0].texels);  // GGX of roughness 0 is the map.
     for (let face = 0; face < 6; ++face)
-      gl.texSubImage2D(
-          gl.TEXTURE_CUBE_MAP_POSITIVE_X + face, level, 0, 0, size, size, gl.RGB, gl.UNSIGNED_INT_5_9_9_9_REV,
-          all.subarray(face * size * size, (face + 1) * size * size));
+      gl.texSubImage2D(gl.TEXTURE_CUBE_MAP_POSITIVE_X + face, level, 0, 0, size, size, gl.RGB, gl.UNSIGNED_INT_5_9_9_9_REV,
+        all.subarray(face * size * size, (face + 1) * size * size));
   });
   gl.texParameteri(gl.TEXTURE_CUBE_MAP, gl.TEXTURE_MIN_FILTER, gl.LINEAR_MIPMAP_LINEAR);
   gl.texParameteri(gl.TEXTURE_CUBE_MAP, gl.TEXTURE_MAG_FILTER, gl.LINEAR);
@@ -84,7 +75,7 @@ function makePicker() {
   }
   gl.drawBuffers(targets);
   gl.bindFramebuffer(gl.FRAMEBUFFER, null);
-  return {frame, targets, ...makeProgram('#define PICK\n')};
+  return { frame, targets, ...makeProgram('#define PICK\n') };
 }
 
 // ---- drawing ---------------------------------------------------------------------------------------------------------
@@ -99,13 +90,11 @@ function camera() {
 }
 
 function ballUniform() {
-  return state.balls.flatMap(
-      (ball) =>
-          [ball.x, ball.y, state.ballsShown ? ballRadius : 0,
-           ball.surface === 'diffuse' ? -1 : ball.roughness * (data.textures.ggx.levels.length - 1)]);
+  return state.balls.flatMap((ball) => [ball.x, ball.y, state.ballsShown ? ballRadius : 0,
+    ball.surface === 'diffuse' ? -1 : ball.roughness * (data.textures.ggx.levels.length - 1)]);
 }
 
-function setUniforms({program, at}) {
+function setUniforms({ program, at }) {
   gl.useProgram(program);
   gl.uniform2f(at('size'), canvas.width, canvas.height);
   gl.uniform1i(at('view'), state.view);
@@ -141,9 +130,9 @@ function pick(x, y) {
     const bits = new Uint32Array(4);
     gl.readBuffer(target);
     gl.readPixels(0, 0, 1, 1, gl.RGBA_INTEGER, gl.UNSIGNED_INT, bits);
-    return {any: bits[3] === 1, values: [...new Float32Array(bits.buffer, 0, 3)]};
+    return { any: bits[3] === 1, values: [...new Float32Array(bits.buffer, 0, 3)] };
   });
-  return direction.any ? {direction: direction.values, radiance: radiance.values.map((v) => v * data.scale)} : null;
+  return direction.any ? { direction: direction.values, radiance: radiance.values.map((v) => v * data.scale) } : null;
 }
 
 // Once a frame, however much changes.
@@ -174,13 +163,13 @@ function tell() {
     element('reading').textContent = 'nothing there';
     return;
   }
-  const {direction: [x, y, z], radiance: [r, g, b]} = found;
+  const { direction: [x, y, z], radiance: [r, g, b] } = found;
   const luminance = 0.2126 * r + 0.7152 * g + 0.0722 * b;
   const stops = luminance > 0 ? `${Math.log2(luminance).toFixed(2)} stops` : 'black';
-  element('reading').textContent = `radiance ${[r, g, b].map((v) => v.toPrecision(3)).join('  ')}   ${stops}\n` +
-      `towards (${[x, y, z].map((v) => v.toFixed(3)).join(', ')})   azimuth ${
-                                       (Math.atan2(x, z) / degrees).toFixed(1)}, ` +
-      `elevation ${(Math.asin(Math.max(-1, Math.min(1, y))) / degrees).toFixed(1)}`;
+  element('reading').textContent =
+    `radiance ${[r, g, b].map((v) => v.toPrecision(3)).join('  ')}   ${stops}\n` +
+    `towards (${[x, y, z].map((v) => v.toFixed(3)).join(', ')})   azimuth ${(Math.atan2(x, z) / degrees).toFixed(1)}, ` +
+    `elevation ${(Math.asin(Math.max(-1, Math.min(1, y))) / degrees).toFixed(1)}`;
 }
 
 // ---- moving ----------------------------------------------------------------------------------------------------------
@@ -238,10 +227,8 @@ canvas.addEventListener('pointermove', (event) => {
   fingers.set(event.pointerId, now);
   if (fingers.size === 2) return zoomBy(apart / Math.max(1e-3, span()));
   const dx = now[0] - before[0], dy = now[1] - before[1], scale = state.fov / 2;
-  if (dragged >= 0)
-    moveBall(dx, dy);
-  else
-    turnBy(dx * scale, -dy * scale);
+  if (dragged >= 0) moveBall(dx, dy);
+  else turnBy(dx * scale, -dy * scale);
 });
 for (const name of ['pointerup', 'pointercancel'])
   canvas.addEventListener(name, (event) => fingers.delete(event.pointerId));
@@ -252,29 +239,22 @@ canvas.addEventListener('pointerleave', () => {
 canvas.addEventListener('wheel', (event) => {
   event.preventDefault();
   zoomBy(1.001 ** event.deltaY);
-}, {passive: false});
+}, { passive: false });
 canvas.addEventListener('keydown', (event) => {
-  const arrows = {ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1]};
+  const arrows = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
   const step = arrows[event.key];
-  if (step && event.shiftKey)
-    moveBall(0.05 * step[0], 0.05 * step[1]);
-  else if (step)
-    turnBy(-5 * step[0], 5 * step[1]);
-  else if (event.key === '+' || event.key === '=')
-    zoomBy(0.9);
-  else if (event.key === '-')
-    zoomBy(1 / 0.9);
-  else
-    return;
+  if (step && event.shiftKey) moveBall(0.05 * step[0], 0.05 * step[1]);
+  else if (step) turnBy(-5 * step[0], 5 * step[1]);
+  else if (event.key === '+' || event.key === '=') zoomBy(0.9);
+  else if (event.key === '-') zoomBy(1 / 0.9);
+  else return;
   event.preventDefault();
 });
 
 // ---- controls --------------------------------------------------------------------------------------------------------
 
-const images =
-    textureNames
-        .flatMap((name, image) => data.textures[name].levels.map((level, k) => ({image, level: k, name: level.name})))
-        .filter(({image, level}) => image !== 1 || level > 0);
+const images = textureNames.flatMap((name, image) => data.textures[name].levels.map((level, k) => ({ image, level: k, name: level.name })))
+  .filter(({ image, level }) => image !== 1 || level > 0);
 
 function addOptions(select, names) {
   names.forEach((name, k) => select.add(new Option(name, k)));
@@ -283,7 +263,7 @@ function addOptions(select, names) {
 function showState() {
   const ball = state.balls[state.ball];
   element('view').value = state.view;
-  element('image').value = images.findIndex(({image, level}) => image === state.image && level === state.level);
+  element('image').value = images.findIndex(({ image, level }) => image === state.image && level === state.level);
   element('exposure').value = state.exposure;
   element('stops').textContent = `${state.exposure.toFixed(2)} stops`;
   element('curve').value = curves[state.curve];
@@ -306,29 +286,15 @@ function onInput(id, change) {
 
 function addControls() {
   addOptions(element('view'), views);
-  addOptions(element('image'), images.map(({name}) => name));
-  onInput('view', ({value}) => {
-    state.view = Number(value);
-  });
-  onInput('image', ({value}) => Object.assign(state, {image: images[value].image, level: images[value].level}));
-  onInput('exposure', ({value}) => {
-    state.exposure = Number(value);
-  });
-  onInput('curve', ({value}) => {
-    state.curve = curves.indexOf(value);
-  });
-  onInput('balls-shown', ({checked}) => {
-    state.ballsShown = checked;
-  });
-  onInput('ball', ({value}) => {
-    state.ball = Number(value);
-  });
-  onInput('surface', ({value}) => {
-    state.balls[state.ball].surface = value;
-  });
-  onInput('roughness', ({value}) => {
-    state.balls[state.ball].roughness = Number(value);
-  });
+  addOptions(element('image'), images.map(({ name }) => name));
+  onInput('view', ({ value }) => { state.view = Number(value); });
+  onInput('image', ({ value }) => Object.assign(state, { image: images[value].image, level: images[value].level }));
+  onInput('exposure', ({ value }) => { state.exposure = Number(value); });
+  onInput('curve', ({ value }) => { state.curve = curves.indexOf(value); });
+  onInput('balls-shown', ({ checked }) => { state.ballsShown = checked; });
+  onInput('ball', ({ value }) => { state.ball = Number(value); });
+  onInput('surface', ({ value }) => { state.balls[state.ball].surface = value; });
+  onInput('roughness', ({ value }) => { state.balls[state.ball].roughness = Number(value); });
 }
 
 function addFacts() {
