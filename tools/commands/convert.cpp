@@ -282,21 +282,17 @@ WriteOptions writing_of(const Convert& o, const Source& source, double gain) {
 }
 
 // The rows of the result, on which the error asked for holds in the file; nothing where it does not.
-struct Result {
-  Rows rows;
-  std::optional<Level> made;  // What the rows read, where all of it had to be made to know its rounding.
-};
-std::optional<Result> result_of(const Convert& o, const Resampler& resampler, const std::optional<Rounding>& rounding,
-                                Report& report) {
+// @param made what the rows read, where all of it had to be made to know its rounding: it must outlive them.
+std::optional<Rows> result_of(const Convert& o, const Resampler& resampler, const std::optional<Rounding>& rounding,
+                              std::optional<Level>& made, Report& report) {
   const auto& choice = resampler.choice();
   if (choice && !tell_choice(*choice, *o.convert.max_error)) return std::nullopt;
-  Result result{resampler.rows(), std::nullopt};
-  if (!choice || bounds_every_channel(*rounding, resampler.filter().floor * portable::exp2(o.exposure))) return result;
-  result.made = level_of(result.rows);
-  result.rows = rows_of(*result.made, result.rows.forward);
-  const bool within = holds(o, *rounding, *result.made, choice->trials.back().maximum, *o.convert.max_error);
+  const Rows rows = resampler.rows();
+  if (!choice || bounds_every_channel(*rounding, resampler.filter().floor * portable::exp2(o.exposure))) return rows;
+  made = level_of(rows);
+  const bool within = holds(o, *rounding, *made, choice->trials.back().maximum, *o.convert.max_error);
   report.put("error.within", within);
-  return within ? std::optional(std::move(result)) : std::nullopt;
+  return within ? std::optional(rows_of(*made, rows.forward)) : std::nullopt;
 }
 
 void tell_filter(const Convert& o, const Frame& from, const Frame& to, const Resampler& resampler) {
@@ -325,18 +321,19 @@ int run(Convert& o, Report& report) {
   const Resampler resampler(std::move(source.map), how);
   tell(report, o, resampler);
   if (engine) add_frame(report, *o.engine, *engine);
-  std::optional<Result> result = result_of(o, resampler, rounding, report);
-  if (!result) {
+  std::optional<Level> made;
+  std::optional<Rows> rows = result_of(o, resampler, rounding, made, report);
+  if (!rows) {
     report.put_seconds();
     return 1;
   }
-  if (o.display) result->rows = displayed(o, write, result->rows);
+  if (o.display) rows = displayed(o, write, *rows);
   tell_filter(o, from, how.to, resampler);
-  const WriteOptions part = part_or_whole(o.shard, write, result->rows, made_of);
-  report.put_written(o.output, write_map(o.output, mirrored({result->rows}, mirror), part, "convert"));
+  const WriteOptions part = part_or_whole(o.shard, write, *rows, made_of);
+  report.put_written(o.output, write_map(o.output, mirrored({*rows}, mirror), part, "convert"));
   if (circle) write_circle(o.photo, *circle);
   if (engine) tell_frame(o.output, *o.engine, *engine);
-  tell_lost_facts(o.output, {how.to.projection, result->rows.forward}, write);
+  tell_lost_facts(o.output, {how.to.projection, rows->forward}, write);
   report.put_seconds();
   return 0;
 }
