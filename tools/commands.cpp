@@ -7,7 +7,7 @@
 #include "cli/command_line.h"
 #include "envmap/base/error.h"
 #include "envmap/io/files/output_file.h"
-#include "maps/read_and_write_maps.h"
+#include "maps/depfile.h"
 
 namespace tools {
 

@@ -13,6 +13,7 @@
 #include "envmap/engine/level_roughness.h"
 #include "envmap/io/texels/rounding.h"
 #include "envmap/maths/portable.h"
+#include "maps/depfile.h"
 #include "maps/map_options.h"
 #include "maps/read_and_write_maps.h"
 

@@ -7,6 +7,7 @@
 #include "envmap/io/shard.h"
 #include "envmap/io/texels/rounding.h"
 #include "envmap/operate/levels.h"
+#include "maps/depfile.h"
 #include "maps/map_options.h"
 #include "maps/read_and_write_maps.h"
 #include "maps/shard_options.h"

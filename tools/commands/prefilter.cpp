@@ -21,6 +21,7 @@
 #include "envmap/prefilter/brdf_table.h"
 #include "envmap/projection/matching_size.h"
 #include "maps/colour_and_light_options.h"
+#include "maps/depfile.h"
 #include "maps/read_and_write_maps.h"
 #include "maps/shard_options.h"
 

@@ -8,6 +8,7 @@
 #include "envmap/scenes/render/mirrors.h"
 #include "envmap/scenes/render/rays/raycast.h"
 #include "envmap/scenes/render/renderer.h"
+#include "maps/depfile.h"
 #include "maps/map_options.h"
 #include "maps/read_and_write_maps.h"
 #include "scenes/mirror_options.h"

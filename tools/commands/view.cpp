@@ -17,6 +17,7 @@
 #include "envmap/scenes/mirror_painter.h"
 #include "envmap/scenes/render/rays/raycast.h"
 #include "envmap/scenes/viewpoints.h"
+#include "maps/depfile.h"
 #include "maps/map_options.h"
 #include "maps/read_and_write_maps.h"
 #include "scenes/mirror_options.h"

@@ -8,6 +8,7 @@
 #include "cli/console.h"
 #include "envmap/base/error.h"
 #include "envmap/io/images/picture.h"
+#include "maps/depfile.h"
 #include "maps/read_and_write_maps.h"
 
 namespace tools {

@@ -19,7 +19,7 @@
 #include "envmap/base/error.h"
 #include "envmap/engine/bake.h"
 #include "envmap/engine/engines.h"
-#include "maps/read_and_write_maps.h"
+#include "maps/depfile.h"
 #include "scenes/scene_options.h"
 
 namespace tools {

@@ -17,6 +17,7 @@
 #include "envmap/maths/portable.h"
 #include "envmap/operate/measure.h"
 #include "envmap/projection/matching_size.h"
+#include "maps/depfile.h"
 #include "maps/map_facts.h"
 #include "maps/map_options.h"
 #include "maps/read_and_write_maps.h"
