@@ -43,6 +43,7 @@ void for_each_row(int faces, int height, const Progress& progress, const std::fu
   std::atomic<int> done{0};
   parallel_ranges(rows, 4, [&](int begin, int end) {
     for (int k = begin; k < end; ++k) {
+      stop_point();
       f(k / height, k % height);
       if (progress && ++done % report == 0) progress(double(done) / rows);
     }

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "envmap/base/export.h"
+#include "envmap/base/run.h"
 #include "envmap/map/environment_map.h"
 #include "envmap/maths/primaries.h"
 

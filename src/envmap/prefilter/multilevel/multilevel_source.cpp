@@ -9,6 +9,7 @@
 
 #include "envmap/base/large_pages.h"
 #include "envmap/base/parallel.h"
+#include "envmap/base/stop_point.h"
 #include "envmap/map/environment_map.h"
 #include "envmap/maths/portable.h"
 #include "envmap/maths/quadrature.h"
@@ -213,9 +214,11 @@ LightPlanes cube_planes(const Level& source, double mean, const Colour& min_radi
     parallel_for((rows + band - 1) / band, [&](int b) {
       const int low = b * band, high = std::min(rows, low + band);
       const double near = (low - nodes_across) / double(rows), far = (high + nodes_across) / double(rows);
-      for (const auto& row : found)
+      for (const auto& row : found) {
+        stop_point();
         for (const LightPoint& p : row)
           if (p.v >= near && p.v <= far) add_point(p, low, high, out);
+      }
     });
   }
   return out;
@@ -298,6 +301,7 @@ LightPlanes latlong_planes(const Level& source, double unit, const Colour& min_r
     int read = -1;
     for (const auto& [term, to] : terms) {
       if (term.from != read) {
+        stop_point();
         read = term.from;
         const auto row = source.row(0, read);
         for (int c = 0; c < 3; ++c) {
