@@ -45,7 +45,7 @@ enum class Remedy {
   choose_space,           ///< ReadOptions::colour.space.
   choose_linear,          ///< WriteOptions::colour.space: a linear one, or WriteOptions::encoded.
   choose_layer,           ///< ReadOptions::choice.layer.
-  leave_out_shadows,      ///< Shot::shadows = false, or fewer lights.
+  leave_out_shadows,      ///< FrameState::shadows = false, or fewer lights.
   force,                  ///< CommitOptions::force, or a file that may be written.
   find_circle,            ///< A photo of a ball: photo_map.h, find_circle.h.
   choose_faces,           ///< ReadOptions::faces.
