@@ -2,9 +2,9 @@
 
 #include <fmt/format.h>
 
-#include "envmap/base/carry_out.h"
 #include "envmap/base/error.h"
 #include "envmap/base/part_progress.h"
+#include "envmap/base/run_operation.h"
 #include "envmap/engine/baked_maps.h"
 #include "envmap/engine/irradiance.h"
 #include "envmap/io/files/output_folder.h"

@@ -11,9 +11,9 @@
 #include <numeric>
 #include <vector>
 
-#include "envmap/base/carry_out.h"
 #include "envmap/base/error.h"
 #include "envmap/base/parallel.h"
+#include "envmap/base/run_operation.h"
 #include "envmap/io/claims/claimed_space.h"
 #include "envmap/io/claims/gpano.h"
 #include "envmap/io/files/face_names.h"

@@ -10,9 +10,9 @@
 #include <memory>
 #include <vector>
 
-#include "envmap/base/carry_out.h"
 #include "envmap/base/error.h"
 #include "envmap/base/part_progress.h"
+#include "envmap/base/run_operation.h"
 #include "envmap/io/claims/icc_profile.h"
 #include "envmap/io/claims/srgb.h"
 #include "envmap/io/files/face_names.h"
@@ -237,7 +237,12 @@ class MapFiles {
  public:
   MapFiles(const OutputPlan& plan, const Metadata& data, const WriteOptions& options, const Destination& destination,
            std::uint64_t least)
-      : plan_(plan), data_(data), options_(options), destination_(destination), least_(least) {}
+      : plan_(plan),
+        data_(data),
+        options_(options),
+        destination_(destination),
+        least_(least),
+        colour_(described(data, options.colour).value_or(KhrColour{})) {}
 
   void write(const std::string& name, std::span<const Atlas> atlases, const Progress& progress) {
     files_.push_back(destination_.memory ? std::make_unique<OutputFile>()
@@ -260,8 +265,7 @@ class MapFiles {
     if (!plan_.format.write)
       return write_image(file, name, plan_.extension, atlases, plan_.depth, data_, options_, destination_.distances,
                          progress);
-    const KhrColour colour = described(data_, options_.colour).value_or(KhrColour{});
-    const TexturePlan texture{texels_of(plan_.depth), plan_.layout == Layout::api, options_.zstd, colour, data_,
+    const TexturePlan texture{texels_of(plan_.depth), plan_.layout == Layout::api, options_.zstd, colour_, data_,
                               options_.pairs};
     naming(name, [&] { plan_.format.write(file, atlases, texture, progress); });
   }
@@ -271,6 +275,7 @@ class MapFiles {
   const WriteOptions& options_;
   const Destination& destination_;
   std::uint64_t least_;  // Bytes that the first file surely gets.
+  KhrColour colour_;     // Of textures.
   std::vector<std::unique_ptr<OutputFile>> files_;
 };
 

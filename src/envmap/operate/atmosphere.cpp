@@ -4,8 +4,8 @@
 #include <cmath>
 #include <unordered_map>
 
-#include "envmap/base/carry_out.h"
 #include "envmap/base/parallel.h"
+#include "envmap/base/run_operation.h"
 #include "envmap/maths/check_direction.h"
 #include "envmap/maths/portable.h"
 #include "envmap/maths/primaries.h"

@@ -7,9 +7,9 @@
 #include <limits>
 #include <utility>
 
-#include "envmap/base/carry_out.h"
 #include "envmap/base/error.h"
 #include "envmap/base/parallel.h"
+#include "envmap/base/run_operation.h"
 #include "envmap/map/check_row.h"
 #include "envmap/maths/portable.h"
 #include "envmap/operate/check_options.h"

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <limits>
 
-#include "envmap/base/carry_out.h"
 #include "envmap/base/error.h"
 #include "envmap/base/parallel.h"
+#include "envmap/base/run_operation.h"
 #include "envmap/maths/check_direction.h"
 #include "envmap/maths/portable.h"
 #include "envmap/maths/quadrature.h"

@@ -5,9 +5,9 @@
 #include <numeric>
 #include <vector>
 
-#include "envmap/base/carry_out.h"
 #include "envmap/base/error.h"
 #include "envmap/base/parallel.h"
+#include "envmap/base/run_operation.h"
 #include "envmap/maths/check_direction.h"
 #include "envmap/maths/compensated_sum.h"
 #include "envmap/maths/portable.h"

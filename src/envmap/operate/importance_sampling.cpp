@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "envmap/base/bounds.h"
-#include "envmap/base/carry_out.h"
 #include "envmap/base/error.h"
 #include "envmap/base/parallel.h"
+#include "envmap/base/run_operation.h"
 #include "envmap/maths/check_direction.h"
 #include "envmap/maths/portable.h"
 #include "envmap/operate/brightest.h"

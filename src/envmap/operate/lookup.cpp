@@ -3,31 +3,21 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <vector>
 
-#include "envmap/base/carry_out.h"
 #include "envmap/base/check_length.h"
 #include "envmap/base/error.h"
 #include "envmap/base/parallel.h"
+#include "envmap/base/run_operation.h"
 #include "envmap/maths/check_direction.h"
 #include "envmap/operate/refuse_flaws.h"
+#include "envmap/projection/visit.h"
 #include "envmap/sample/padded_level.h"
 #include "envmap/sample/point.h"
 
 namespace envmap {
 namespace {
-
-constexpr std::size_t block = 256;  // Directions that are looked up together.
-
-// The same direction at length 1; unit vectors stay as they are, to the last bit. Nothing where it has no direction.
-bool make_unit(Direction& d) {
-  const double square = glm::dot(d, d);
-  if (!(square > 0 && std::isfinite(square))) return false;
-  if (!is_unit(d)) d /= std::sqrt(square);
-  return true;
-}
 
 void check_rising(std::span<const double> roughnesses, std::size_t levels) {
   if (roughnesses.size() != levels)
@@ -45,44 +35,29 @@ struct EnvironmentLookup::Levels {
   Rotation world_to_image;
   std::vector<double> roughnesses;
 
-  // @param d at most a block of directions of the world.
-  template <class D>
-  void look(std::span<const D> d, std::span<Colour> out, double level) const {
-    std::array<Direction, block> towards;
-    std::array<bool, block> known;
-    for (std::size_t k = 0; k < d.size(); ++k) {
-      towards[k] = Direction(d[k]);
-      known[k] = make_unit(towards[k]);
-      if (!known[k]) towards[k] = {0, 0, 1};
-    }
-    const std::span<Direction> units = std::span(towards).first(d.size());
-    rotate(world_to_image, units);
-    std::array<Location<double>, block> places;
-    const std::span<Location<double>> at = std::span(places).first(d.size());
-    locate(levels.front().projection(), units, at);
+  // @param d of the world, of any length.
+  [[nodiscard]] Colour at(const Direction& d, double level) const {
+    const double square = glm::dot(d, d);
+    if (!(square > 0 && std::isfinite(square))) return Colour(0);
+    // Unit vectors stay as they are, to the last bit.
+    const Direction in_image = world_to_image * (is_unit(d) ? d : d / std::sqrt(square));
+    const Location<double> place =
+        visit(levels.front().projection(), [&](auto p) { return decltype(p)::template locate<double>(in_image); });
     const double last = double(levels.size() - 1), clamped = level > 0 ? std::min(level, last) : 0;
     const auto finer = std::size_t(clamped);
-    sample_bilinear(levels[finer], at, out);
-    if (const auto part = float(clamped - double(finer)); part > 0) {
-      std::array<Colour, block> coarser;
-      sample_bilinear(levels[finer + 1], at, std::span(coarser).first(d.size()));
-      for (std::size_t k = 0; k < d.size(); ++k) out[k] = (1 - part) * out[k] + part * coarser[k];
-    }
-    for (std::size_t k = 0; k < d.size(); ++k)
-      if (!known[k]) out[k] = Colour(0);
+    const Colour found = bilinear(levels[finer], place);
+    const auto part = float(clamped - double(finer));
+    return part > 0 ? (1 - part) * found + part * bilinear(levels[finer + 1], place) : found;
   }
 
   template <class D>
   void look_all(std::span<const D> directions, std::span<Colour> out, double level, const Run& run) const {
+    constexpr std::size_t step = 1024;  // Directions that a thread takes at once.
     check_length("out", out.size(), directions.size());
     run_operation(run, [&](const Progress&) {
-      const auto blocks = int((directions.size() + block - 1) / block);
-      parallel_ranges(blocks, 8, [&](int begin, int end) {
-        for (std::size_t k = std::size_t(begin) * block; k < std::min(std::size_t(end) * block, out.size());
-             k += block) {
-          const std::size_t count = std::min(block, out.size() - k);
-          look(directions.subspan(k, count), out.subspan(k, count), level);
-        }
+      parallel_for(int((out.size() + step - 1) / step), [&](int part) {
+        const std::size_t begin = std::size_t(part) * step, end = std::min(begin + step, out.size());
+        for (std::size_t k = begin; k < end; ++k) out[k] = at(Direction(directions[k]), level);
       });
     });
   }
@@ -105,9 +80,7 @@ EnvironmentLookup::EnvironmentLookup(EnvironmentMap&& map, std::vector<double> r
 }
 
 Colour EnvironmentLookup::operator()(const Direction& direction, double level) const {
-  Colour found;
-  levels_->look(std::span(&direction, 1), std::span(&found, 1), level);
-  return found;
+  return levels_->at(direction, level);
 }
 
 void EnvironmentLookup::operator()(std::span<const Direction> directions, std::span<Colour> out, double level,

@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "envmap/base/bounds.h"
-#include "envmap/base/carry_out.h"
 #include "envmap/base/parallel.h"
+#include "envmap/base/run_operation.h"
 #include "envmap/base/without_avx512.h"
 #include "envmap/maths/portable.h"
 #include "envmap/maths/quadrature.h"

@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "envmap/base/bounds.h"
-#include "envmap/base/carry_out.h"
 #include "envmap/base/parallel.h"
+#include "envmap/base/run_operation.h"
 #include "envmap/maths/portable.h"
 
 namespace envmap {

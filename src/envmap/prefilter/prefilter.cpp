@@ -12,10 +12,10 @@
 #include <mutex>
 #include <utility>
 
-#include "envmap/base/carry_out.h"
 #include "envmap/base/error.h"
 #include "envmap/base/parallel.h"
 #include "envmap/base/part_progress.h"
+#include "envmap/base/run_operation.h"
 #include "envmap/map/atlas.h"
 #include "envmap/map/check_chain.h"
 #include "envmap/operate/convert.h"

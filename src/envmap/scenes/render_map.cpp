@@ -4,9 +4,9 @@
 
 #include <future>
 
-#include "envmap/base/carry_out.h"
 #include "envmap/base/error.h"
 #include "envmap/base/part_progress.h"
+#include "envmap/base/run_operation.h"
 #include "envmap/maths/check_direction.h"
 #include "envmap/scenes/check_drawing.h"
 #include "envmap/scenes/lit_scene.h"

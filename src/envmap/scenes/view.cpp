@@ -3,9 +3,9 @@
 #include <future>
 #include <optional>
 
-#include "envmap/base/carry_out.h"
 #include "envmap/base/error.h"
 #include "envmap/base/part_progress.h"
+#include "envmap/base/run_operation.h"
 #include "envmap/scenes/check_drawing.h"
 #include "envmap/scenes/choose_maps.h"
 #include "envmap/scenes/choose_mirrors.h"

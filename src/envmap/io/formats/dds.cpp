@@ -384,7 +384,7 @@ void write_dds(OutputFile& file, std::span<const Atlas> levels, const TexturePla
   h.flags = flags_of_texture | (format.side > 1 ? flag_size : flag_pitch) | (chain ? flag_levels : 0);
   h.width = std::uint32_t(levels[0].width());
   h.height = cube ? h.width : std::uint32_t(levels[0].height());
-  // Of blocks the size of the first image, else that of a row.
+  // The field `pitch` holds the size of the first image of blocks, and the size of a row of texels.
   h.pitch = std::uint32_t(format.side > 1 ? format.image_bytes(levels[0].width(), int(h.height))
                                           : format.row_bytes(levels[0].width()));
   h.levels = std::uint32_t(levels.size());

@@ -24,7 +24,7 @@ struct TexturePlan;
 void write_gltf_light(OutputFile& file, std::span<const Atlas> levels, const TexturePlan& plan,
                       const Progress& progress);
 
-/// Whether a file begins as a .glb or, as JSON, a .gltf.
+/// Returns whether a file begins as a .glb or, as JSON, a .gltf.
 bool is_gltf(std::string_view head);
 
 /// The light of a scene, or the first one. Its images may lie in the file, in buffers and files beside it, and in data

@@ -10,8 +10,8 @@
 
 namespace envmap {
 
-/// Of progressive images libjpeg holds all coefficients in memory once a row is read. Any damage that libjpeg notices
-/// is an error.
+/// Opens a JPEG image. libjpeg holds all coefficients of a progressive image in memory once a row is read. Any damage
+/// that libjpeg notices is an error.
 /// @param headroom of a gain map, as ImageChoice has it. @param for_texture whether texels stay as stored: without a
 /// gain map, or a profile. @return nothing for images without a gain map whose XMP or IPTC may tell an orientation, a
 /// description or a copyright, or of colours that JFIF and Adobe do not define.

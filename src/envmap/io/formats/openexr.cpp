@@ -111,7 +111,7 @@ inline std::string plain(const std::string& message) {
 
 }  // namespace
 
-// What is checked before OpenEXR takes memory.
+// These checks of a header come before OpenEXR takes memory.
 
 namespace {
 
@@ -155,7 +155,7 @@ class Cursor {
   std::array<char, 4096> buffer_ = {};
 };
 
-// What says how many chunks a part has.
+// The attributes that decide how many chunks a part has.
 struct Part {
   std::array<std::int32_t, 4> window{};  // Of data: least x and y, largest.
   unsigned char compression = 3;         // Zip, where nothing is said.
@@ -347,7 +347,7 @@ Attributes attributes_of(const Imf::Header& header) {
   const auto aces = header.find("acesImageContainerFlag");  // SMPTE ST 2065-4.
   const auto* const flag = aces != header.end() ? dynamic_cast<const Imf::IntAttribute*>(&aces.attribute()) : nullptr;
   if (flag != nullptr && flag->value() == 1) texts["acesImageContainerFlag"] = "1";
-  // Of our own making: a file that was converted may carry the word without the attribute.
+  // The attribute alone decides the text: a converted file may carry the word without the attribute.
   texts.erase("textureformat");
   if (Imf::hasEnvmap(header))
     texts["textureformat"] = Imf::envmap(header) == Imf::ENVMAP_CUBE ? "CubeFace Environment" : "LatLong Environment";

@@ -7,8 +7,8 @@
 #include <limits>
 #include <span>
 
-#include "envmap/base/carry_out.h"
 #include "envmap/base/error.h"
+#include "envmap/base/run_operation.h"
 #include "envmap/io/texels/api_orientation.h"
 #include "envmap/io/texels/texels.h"
 #include "envmap/io/texels/texture_file.h"

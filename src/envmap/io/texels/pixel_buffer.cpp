@@ -11,9 +11,9 @@
 #include <span>
 #include <vector>
 
-#include "envmap/base/carry_out.h"
 #include "envmap/base/error.h"
 #include "envmap/base/parallel.h"
+#include "envmap/base/run_operation.h"
 #include "envmap/io/claims/srgb.h"
 #include "envmap/io/images/detect_layout.h"
 #include "envmap/io/texels/texels.h"
@@ -63,6 +63,10 @@ Byte* row_of(const BasicPixelBuffer<Byte>& b, int row) {
 template <class T>
 void gather_channels(const PixelBuffer& b, const std::byte* row, int count, std::span<T> out) {
   const std::size_t bytes = std::size_t(count) * sizeof(T);
+  if (std::size_t(b.pixel_stride) == bytes) {
+    std::memcpy(out.data(), row, out.size_bytes());
+    return;
+  }
   for (int i = 0; i < b.width; ++i) std::memcpy(&out[std::size_t(i * count)], row + i * b.pixel_stride, bytes);
 }
 
@@ -137,12 +141,6 @@ void store_row(const MutablePixelBuffer& b, int row, std::span<Colour> texels) {
   }
 }
 
-// Whether rows of the buffer are rows of the one face, as they stand.
-bool is_plain(const PixelBuffer& b, const DetectedLayout& found) {
-  return found.layout == Layout::single && b.type == ChannelType::float32 && b.channels >= 3 &&
-         b.transfer != Transfer::srgb;
-}
-
 DetectedLayout layout_of(const PixelBuffer& b, const BufferLayout& how) {
   Metadata said;
   said.projection = how.projection, said.layout = how.layout;
@@ -157,14 +155,8 @@ EnvironmentMap map_of(const PixelBuffer& buffer, const BufferLayout& layout, con
   return run_operation(run, [&](const Progress& progress) {
     EnvironmentMap map = blank_map({found.projection, layout.forward}, found.size);
     Level& level = map.base();
-    if (is_plain(b, found)) {
-      for_each_row(1, b.height, progress, [&](int, int row) {
-        const std::span<Colour> out = level.row(0, row);
-        if (b.pixel_stride == sizeof(Colour))
-          std::memcpy(out.data(), row_of(b, row), out.size_bytes());
-        else
-          load_row(b, row, out);
-      });
+    if (found.layout == Layout::single) {  // Rows of the image are those of the face.
+      for_each_row(1, b.height, progress, [&](int, int row) { load_row(b, row, level.row(0, row)); });
       return map;
     }
     const Grid places = grid(found.layout);

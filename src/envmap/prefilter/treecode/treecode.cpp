@@ -77,6 +77,13 @@ class Traversal {
     for (std::size_t c = 0; c < channels; ++c) bound_[c] += double(bounds_.bound[lane]) * node.flux[c];
   }
 
+  // Bounds the nodes in the group. A tile beside a sun has so many groups that an operation may end between them.
+  void bound_group(std::size_t nodes) {
+    stop_point();
+    bound_nodes(lobe_, *tile_, group_, bounds_);
+    bounded_ += nodes;
+  }
+
   // Takes or opens the blocks of level k. `next_` names them by fours, and afterwards the fours of the level below, or
   // blocks of texels to be opened.
   void open_level(int k) {
@@ -86,8 +93,7 @@ class Traversal {
       const std::size_t many = std::min<std::size_t>(4, now_.size() - from);
       for (std::size_t q = 0; q < 4; ++q)
         put(q < many ? blocks.quad(now_[from + q].face, now_[from + q].i, now_[from + q].j) : NodeQuad{}, q);
-      bound_nodes(lobe_, *tile_, group_, bounds_);
-      bounded_ += 4 * many;
+      bound_group(4 * many);
       for (std::size_t lane = 0; lane < 4 * many; ++lane) {
         if (!(bounds_.visible >> lane & 1)) continue;
         const Block& of = now_[from + lane / 4];
@@ -141,8 +147,7 @@ class Traversal {
       made[lane] = &own_.emplace_back(node_of(patch_of<P>(parts[lane].face, parts[lane].rect), parts[lane].radiance));
       group_.set(lane, *made[lane]);
     }
-    bound_nodes(lobe_, *tile_, group_, bounds_);
-    bounded_ += parts.size();
+    bound_group(parts.size());
     for (std::size_t lane = 0; lane < parts.size(); ++lane) {
       const Part& part = parts[lane];
       if (!(bounds_.visible >> lane & 1)) continue;
@@ -345,7 +350,6 @@ void treecode_map(const Tree& tree, const PrefixSums* prefix_sums, const Treecod
     if (!any) return;
     TileRow tiles(tree, prefix_sums, lobe, max_error, map);
     for (int x = 0; x < width; x += tile_side) {
-      stop_point();
       tiles.fill(face, x, y, std::min(tile_side, width - x), h);
       tree.source().trim();
     }

@@ -9,7 +9,8 @@
 namespace envmap {
 
 /// A density over directions that follows the luminance of a map, for importance sampling. Constant within each of 512
-/// x 256 cells of a latlong map.
+/// x 256 cells of a latlong map. Neighbouring numbers draw neighbouring directions, which sequences of low discrepancy
+/// need; the alias table of ImportanceSampler (operate/importance_sampling.h) does not keep that.
 class EnvironmentSampler {
  public:
   explicit EnvironmentSampler(const EnvironmentMap& map);
