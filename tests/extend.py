@@ -335,7 +335,7 @@ def main(folder):
     missing = missing_files()
     assert not missing, f'docs/architecture.md, "Where to add things" names what is not there: {missing}'
     copy = pathlib.Path(folder).resolve() / 'sources'
-    copy.mkdir()
+    copy.mkdir(parents=True)
     for part in PARTS:
         (shutil.copytree if (ROOT / part).is_dir() else shutil.copy)(ROOT / part, copy / part)
     for add in (add_projection, add_lobe, add_format):
