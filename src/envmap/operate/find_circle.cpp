@@ -210,35 +210,53 @@ std::optional<Crossing> crossing_at(const Tones& t, const Circle& c, double turn
   return Crossing{dx, dy, (double(peak) + off) * step - window, here};
 }
 
-// Least squares over edges that lie near, those further out counting less (Tukey's weights).
-Refined refine(const Tones& t, Circle c, double window) {
-  std::vector<Crossing> edges;
+// Where the outline crosses radii all round.
+std::vector<Crossing> crossings(const Tones& t, const Circle& c, double window) {
+  std::vector<Crossing> all;
   const int looks = std::clamp(int(2 * pi * c.radius), 64, 4096);
   for (int k = 0; k < looks; ++k)
-    if (const auto edge = crossing_at(t, c, (k + 0.5) / looks, window)) edges.push_back(*edge);
+    if (const auto crossing = crossing_at(t, c, (k + 0.5) / looks, window)) all.push_back(*crossing);
+  return all;
+}
+
+// The standard deviation of normally distributed errors, by the median of their sizes.
+double spread_of(std::span<const double> errors) {
+  std::vector<double> sizes;
+  for (const double e : errors) sizes.push_back(std::abs(e));
+  std::ranges::nth_element(sizes, sizes.begin() + std::ptrdiff_t(sizes.size() / 2));
+  return 1.4826 * sizes[sizes.size() / 2];
+}
+
+// One step of weighted least squares: how the middle's x and y and the radius move. Crossings beyond `reach` count
+// nothing, those further out less (Tukey's weights). Nothing where the crossings lie on too short an arc.
+std::optional<Direction> least_squares(std::span<const Crossing> crossings, std::span<const double> off, double reach) {
+  Rotation squares(0);
+  Direction sums(0);
+  for (std::size_t k = 0; k < crossings.size(); ++k) {
+    const double x = off[k] / reach;
+    if (std::abs(x) >= 1) continue;
+    const double weight = (1 - x * x) * (1 - x * x) * std::min(crossings[k].strength, 0.1);
+    const Direction way(crossings[k].x, crossings[k].y, 1);
+    squares += weight * glm::outerProduct(way, way), sums += weight * off[k] * way;
+  }
+  if (glm::determinant(squares) < 1e-12) return std::nullopt;
+  return glm::inverse(squares) * sums;
+}
+
+// A circle moved to the outline that lies within `window` pixels of it.
+Refined refine(const Tones& t, Circle c, double window) {
+  const std::vector<Crossing> outline = crossings(t, c, window);
   Refined best{c, window};
-  if (edges.size() < 16) return best;
+  if (outline.size() < 16) return best;
   Direction moved(0);  // The middle's x and y, and the radius.
-  std::vector<double> off(edges.size());
+  std::vector<double> off(outline.size());
   for (int round = 0; round < 20; ++round) {
-    for (std::size_t k = 0; k < edges.size(); ++k)
-      off[k] = edges[k].out - glm::dot(moved, Direction(edges[k].x, edges[k].y, 1));
-    std::vector<double> sizes;
-    for (const double o : off) sizes.push_back(std::abs(o));
-    std::ranges::nth_element(sizes, sizes.begin() + std::ptrdiff_t(sizes.size() / 2));
-    best.spread = 1.4826 * sizes[sizes.size() / 2];  // Of normally distributed errors, the standard deviation.
-    const double reach = std::clamp(3 * best.spread, 0.5, window);
-    Rotation squares(0);
-    Direction sums(0);
-    for (std::size_t k = 0; k < edges.size(); ++k) {
-      const double x = off[k] / reach;
-      if (std::abs(x) >= 1) continue;
-      const double weight = (1 - x * x) * (1 - x * x) * std::min(edges[k].strength, 0.1);
-      const Direction way(edges[k].x, edges[k].y, 1);
-      squares += weight * glm::outerProduct(way, way), sums += weight * off[k] * way;
-    }
-    if (glm::determinant(squares) < 1e-12) return best;
-    moved += glm::inverse(squares) * sums;
+    for (std::size_t k = 0; k < outline.size(); ++k)
+      off[k] = outline[k].out - glm::dot(moved, Direction(outline[k].x, outline[k].y, 1));
+    best.spread = spread_of(off);
+    const auto step = least_squares(outline, off, std::clamp(3 * best.spread, 0.5, window));
+    if (!step) return best;
+    moved += *step;
   }
   best.circle = {c.x + moved.x, c.y + moved.y, c.radius + moved.z};
   return best;
@@ -275,28 +293,37 @@ void for_likely_circles(const Tones& t, std::span<const Edge> edges, const F& f)
   }
 }
 
-// Circles unlike each other, the best first.
-std::vector<Candidate> candidates(const Tones& t, std::span<const Edge> edges) {
-  constexpr std::size_t most_refined = 48;
+void sort_by_support(std::vector<Candidate>& all) {
+  std::ranges::stable_sort(all, std::greater(), &Candidate::support);
+}
+
+// Circles through edges that are unlike each other, the best first.
+std::vector<Candidate> rough_candidates(const Tones& t, std::span<const Edge> edges) {
+  constexpr double least_support = 0.2;
   std::vector<Candidate> best;
   std::size_t work = 0;
   for_likely_circles(t, edges, [&](const Circle& circle) {
     const Candidate found{circle, support_of(circle, edges, rough)};
     const auto like = std::ranges::find_if(best, [&](const Candidate& x) { return alike(x.circle, circle); });
-    if (found.support >= 0.2 && like == best.end())
+    if (found.support >= least_support && like == best.end())
       best.push_back(found);
     else if (like != best.end() && like->support < found.support)
       *like = found;
     return (work += edges.size()) < most_work;
   });
-  const auto sort = [&] { std::ranges::stable_sort(best, std::greater(), &Candidate::support); };
-  sort();
+  sort_by_support(best);
+  return best;
+}
+
+std::vector<Candidate> candidates(const Tones& t, std::span<const Edge> edges) {
+  constexpr std::size_t most_refined = 48;
+  std::vector<Candidate> best = rough_candidates(t, edges);
   best.resize(std::min(best.size(), most_refined));
   for (Candidate& c : best) {
     c.circle = refine(t, refine(t, c.circle, 4).circle, 2).circle;
     c.support = support_of(c.circle, edges, fine);
   }
-  sort();
+  sort_by_support(best);
   return best;
 }
 
@@ -306,6 +333,29 @@ Circle scaled(const Circle& c, double k) { return {k * c.x, k * c.y, k * c.radiu
 
 bool FoundCircle::sure() const { return support >= 0.5 && spread <= std::max(0.6, 0.002 * circle.radius) && !rival; }
 
+namespace {
+
+constexpr double almost = 0.75;  // Of the best support: a circle that may be meant as well.
+
+// The best circle, or one around it that is almost as good: a ball's rim, not a reflection's.
+Candidate outermost(std::span<const Candidate> found) {
+  Candidate best = found.front();
+  for (const Candidate& c : found)
+    if (c.support > almost * found.front().support && contains(c.circle, best.circle)) best = c;
+  return best;
+}
+
+// A circle elsewhere that is almost as good.
+std::optional<Circle> rival_of(const Candidate& best, std::span<const Candidate> found) {
+  for (const Candidate& c : found)
+    if (c.support > almost * best.support && !alike(c.circle, best.circle) && !contains(c.circle, best.circle) &&
+        !contains(best.circle, c.circle))
+      return c.circle;
+  return std::nullopt;
+}
+
+}  // namespace
+
 std::optional<FoundCircle> find_circle(const Level& photo) {
   std::vector<Tones> levels;
   levels.push_back(tones_of(photo));
@@ -314,16 +364,9 @@ std::optional<FoundCircle> find_circle(const Level& photo) {
   if (edges.size() < 16) return std::nullopt;
   const std::vector<Candidate> found = candidates(levels.back(), edges);
   if (found.empty()) return std::nullopt;
-  constexpr double almost = 0.75;
-  Candidate best = found.front();
-  for (const Candidate& c : found)
-    if (c.support > almost * found.front().support && contains(c.circle, best.circle)) best = c;
-  const double unit = double(1 << (levels.size() - 1));
+  const Candidate best = outermost(found);
   FoundCircle result{.circle = best.circle, .support = best.support, .spread = 0, .rival = {}};
-  for (const Candidate& c : found)
-    if (!result.rival && c.support > almost * best.support && !alike(c.circle, best.circle) &&
-        !contains(c.circle, best.circle) && !contains(best.circle, c.circle))
-      result.rival = scaled(c.circle, unit);
+  if (const auto rival = rival_of(best, found)) result.rival = scaled(*rival, double(1 << (levels.size() - 1)));
   for (std::size_t k = levels.size(); k-- > 0;) {
     if (k + 1 < levels.size()) result.circle = scaled(result.circle, 2);
     const Refined refined = refine(levels[k], refine(levels[k], result.circle, 3).circle, 2);

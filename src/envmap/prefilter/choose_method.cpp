@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "envmap/maths/portable.h"
+#include "envmap/prefilter/near_field/point_rules.h"
 #include "envmap/prefilter/treecode/treecode.h"
 
 namespace envmap::prefiltering {
@@ -27,18 +28,17 @@ constexpr double grid_node = 80;                      // All grids of a source, 
 constexpr double interpolated = 150;                  // An output or a node that is interpolated from a grid.
 constexpr double tap = 0.07;                          // A node of a window whose kernel value is shared.
 constexpr double ggx_value = 0.6, power_value = 0.9;  // A node of a window whose kernel value is computed.
-constexpr double near_field_point = 0.65, power_texel = 1.6;
+constexpr double near_field_point = 0.65, power_texel = 1.6, power_point = 1.6;
 
 // The near field of one output.
 double near_field_cost(const Job& job, const LevelKernel& kernel) {
   if (kernel.kind == LevelKernel::Kind::power) {
     const double seen = 0.5 * double(kernel.end) * job.size(), reach = std::sqrt(2 * double(kernel.end));
-    // Texels of cubes, and those near poles, take 16 points on each of 1, 4 or 16 panels.
-    const double side = pi / job.rows(),
-                 fall = side * double(kernel.power * kernel.part) * (reach + side) / kernel.max_variation;
-    const double by_points = 26 * (fall <= 1 ? 1 : fall <= 2 ? 4 : 16);
-    const double polar = job.cube() ? 1 : 1 - portable::cos(std::min(0.5 * pi, 64 * side + reach));
-    return 500 + (power_texel + by_points * polar) * seen;
+    // Texels of cubes, and those near poles, are summed by points; others in panels of rows.
+    const double side = pi / job.rows(), panels = fall_over(kernel, side) / double(kernel.max_variation);
+    const bool by_points_alone = job.cube() || panels > most_panels;
+    const double polar = by_points_alone ? 1 : 1 - portable::cos(std::min(0.5 * pi, 64 * side + reach));
+    return 500 + (power_texel * std::ceil(panels) + power_point * points_in_texel(kernel, side) * polar) * seen;
   }
   const double radius = std::sqrt(2 * double(kernel.end)) * job.rows() / pi;  // Counted in texels.
   return 500 + 60 * radius + near_field_point * (1200 + 23 * radius * radius) * (job.cube() ? 1.8 : 1);

@@ -195,8 +195,9 @@ Lobe lobe_of(const Prefilter& p) {
   if (p.method == Method::multilevel && !is_mirror(p) && !clamped_cosine_polynomial(lobe) &&
       !multilevel_plan(lobe, p.max_error) && !sheen_plan(lobe, p.max_error))
     throw UsageError(
-        "multilevel sums make diffuse maps, phong of exponent 1, 2, 3 and from 4, blinn-phong from 2, ggx, and charlie "
-        "up to roughness 0.35, for errors from 1e-4");
+        "multilevel sums make diffuse maps, phong of exponent 1, 2, 3 and from 3.6, blinn-phong from 2, ggx, and "
+        "charlie "
+        "up to roughness 0.5, for errors from 1e-4");
   return lobe;
 }
 

@@ -4,6 +4,7 @@
 
 #include <optional>
 
+#include "envmap/base/run.h"
 #include "envmap/map/environment_map.h"
 #include "envmap/maths/vector.h"
 

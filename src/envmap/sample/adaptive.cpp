@@ -1,3 +1,5 @@
+// Means over texels by cells of four Gauss points each, quartered where their bound is above what the texel allows: the
+// cells of one texel share its tolerance as if their errors were independent.
 #include "envmap/sample/adaptive.h"
 
 #include <algorithm>
@@ -151,53 +153,71 @@ double error_bound(const Cell& c, const Rgb<double>& mean, double cell_size, boo
   return sphere && cell_size < 0.125 ? c.weight * off + rim : std::numeric_limits<double>::infinity();
 }
 
-Colour texel_mean(const Area& task, int face, const Rect& texel, const Direction& fallback, bool weigh, Workspace& ws) {
-  const Jacobian moved = jacobian(task.target, task.source.projection(), task.source.height(), face,
-                                  {0.5 * (texel.u0 + texel.u1), 0.5 * (texel.v0 + texel.v1)});
-  const Point2 covers{glm::length(moved.du), glm::length(moved.dv)};
-  const int nu = std::clamp(int(std::ceil(covers.x)), 1, max_cells);
-  const int nv = std::clamp(int(std::ceil(covers.y)), 1, max_cells);
-  Point2 side{(texel.u1 - texel.u0) / nu, (texel.v1 - texel.v0) / nv};
-  double cell_size = std::max(covers.x / nu, covers.y / nv);
-  ws.cells.clear();
-  for (int j = 0; j < nv; ++j)
-    for (int i = 0; i < nu; ++i)
-      ws.cells.push_back({.centre = {texel.u0 + (i + 0.5) * side.x, texel.v0 + (j + 0.5) * side.y}});
+// The cells that a texel begins with: as many as it covers source texels.
+struct CellGrid {
+  Point2 side;
+  double size;  // In source texels.
 
-  double weight = 0;  // Of the cells that are done with.
-  Rgb<double> sum{0}, mean{0};
-  double whole = 0;
+  CellGrid(const Area& task, int face, const Rect& texel, std::vector<Cell>& cells) {
+    const Jacobian moved = jacobian(task.target, task.source.projection(), task.source.height(), face,
+                                    {0.5 * (texel.u0 + texel.u1), 0.5 * (texel.v0 + texel.v1)});
+    const Point2 covers{glm::length(moved.du), glm::length(moved.dv)};
+    const int nu = std::clamp(int(std::ceil(covers.x)), 1, max_cells);
+    const int nv = std::clamp(int(std::ceil(covers.y)), 1, max_cells);
+    side = {(texel.u1 - texel.u0) / nu, (texel.v1 - texel.v0) / nv};
+    size = std::max(covers.x / nu, covers.y / nv);
+    cells.clear();
+    for (int j = 0; j < nv; ++j)
+      for (int i = 0; i < nu; ++i)
+        cells.push_back({.centre = {texel.u0 + (i + 0.5) * side.x, texel.v0 + (j + 0.5) * side.y}});
+  }
+  void halve() { side *= 0.5, size *= 0.5; }
+};
+
+struct Mean {
+  Rgb<double> sum{0};
+  double weight = 0;
+
+  void add(const Cell& c) { sum += c.sum, weight += c.weight; }
+  [[nodiscard]] Rgb<double> value() const { return weight > 0 ? sum / weight : Rgb<double>(0); }
+};
+
+// Adds the cells that are accurate enough to `done`, and leaves the quarters of the others.
+void quarter(const Area& task, const CellGrid& grid, const Mean& whole, Workspace& ws, Mean& done) {
+  const Rgb<double> mean = whole.value();
+  const bool sphere = task.source.projection() == Projection::sphere;
+  const double allowed = task.tolerance * std::max(largest(mean), task.floor) * whole.weight;
+  const double each = allowed / std::sqrt(double(ws.cells.size()));
+  ws.next.clear();
+  for (const Cell& c : ws.cells) {
+    if (error_bound(c, mean, grid.size, sphere) <= each) {
+      done.add(c);
+      continue;
+    }
+    for (int k = 0; k < 4; ++k)
+      ws.next.push_back({.centre = {c.centre.x + (k & 1 ? 0.25 : -0.25) * grid.side.x,
+                                    c.centre.y + (k & 2 ? 0.25 : -0.25) * grid.side.y}});
+  }
+}
+
+Colour texel_mean(const Area& task, int face, const Rect& texel, const Direction& centre, bool weigh, Workspace& ws) {
   const std::size_t most = task.source.projection() == Projection::sphere ? max_samples_of_sphere : max_samples;
+  CellGrid grid(task, face, texel, ws.cells);
+  Mean done, whole;
   std::size_t samples = 0;
   for (int round = 0; round < max_rounds; ++round) {
-    ws.evaluate(task, face, weigh, side);
+    ws.evaluate(task, face, weigh, grid.side);
     samples += ws.points.size();
-    Rgb<double> now = sum;
-    whole = weight;
-    for (const Cell& c : ws.cells) now += c.sum, whole += c.weight;
-    mean = whole > 0 ? now / whole : Rgb<double>(0);
-
-    const double allowed = task.tolerance * std::max(largest(mean), task.floor) * whole;
-    const double each = allowed / std::sqrt(double(ws.cells.size()));
-    ws.next.clear();
-    for (const Cell& c : ws.cells) {
-      if (error_bound(c, mean, cell_size, task.source.projection() == Projection::sphere) <= each) {
-        sum += c.sum;
-        weight += c.weight;
-        continue;
-      }
-      for (int k = 0; k < 4; ++k)
-        ws.next.push_back(
-            {.centre = {c.centre.x + (k & 1 ? 0.25 : -0.25) * side.x, c.centre.y + (k & 2 ? 0.25 : -0.25) * side.y}});
-    }
+    whole = done;
+    for (const Cell& c : ws.cells) whole.add(c);
+    quarter(task, grid, whole, ws, done);
     if (ws.next.empty() || samples + 4 * ws.next.size() > most) break;
     std::swap(ws.cells, ws.next);
-    side *= 0.5;
-    cell_size *= 0.5;
+    grid.halve();
   }
-  if (whole > 0) return Colour(mean);
+  if (whole.weight > 0) return Colour(whole.value());
   // A sliver inside the rim that no sample met.
-  Direction d = fallback;
+  Direction d = centre;
   task.target.bring_to_source({&d, 1});
   return bilinear(task.source, locate(task.source.projection(), d));
 }

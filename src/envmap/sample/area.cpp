@@ -22,16 +22,21 @@ namespace {
 constexpr std::size_t max_pieces = 4096;  // That a side of a texel is followed by.
 constexpr std::size_t rim_pieces = 64;    // Of a texel that a disc's rim cuts, at the least.
 
-// A side that bends by half the tolerance puts that much of a sun into the wrong one of two texels; what else there
-// is goes wrong by a tenth of it.
+// A side that bends by half the tolerance puts that much of a sun into the wrong one of two texels, and moves other
+// light by a tenth of it.
 constexpr double bend_for_error = 0.5;
-// Where means are estimated: what sides may be off by, over the texel's thickness, and times the tolerance that a sun
-// may be wrong by.
+// Limits of an estimated mean: the bend of its sides over the texel's thickness, and the error by a sun over the
+// tolerance.
 constexpr double most_bend = 1.0 / 16, most_over = 16;
 constexpr Colour unknown(std::numeric_limits<float>::quiet_NaN());
 
-// Of a texel's mean: its sides are within the tolerance; they are not, but it is there; there is none.
-enum class Outcome { done, estimated, bent, unsuitable };
+// What became of a texel's mean.
+enum class Outcome {
+  done,        // Its sides are within the tolerance.
+  estimated,   // Its sides are not, and pieces twice as long gave nearly the same mean.
+  bent,        // Its sides bend too much: shorter pieces are needed.
+  unsuitable,  // It has no outline.
+};
 
 struct Task {
   const PaddedLevel& source;
@@ -46,16 +51,16 @@ struct Task {
     sides.find(target, source.projection(), inside);
   }
 
-  // What sides are off by, over what they may be.
-  [[nodiscard]] double relative(const Outline::Shape& shape, double off) const {
+  // The error of a texel's sides over what the tolerance allows.
+  [[nodiscard]] double relative_error(const Outline::Shape& shape, double off) const {
     return off / (tolerance * std::min<double>(division, shape.thickness));
   }
-  // Whether sides are within the tolerance; else, of estimates, whether they may be tried.
-  [[nodiscard]] Outcome judge(double off) const {
+  // Whether sides of such a relative error are within the tolerance, or may be tried for an estimate.
+  [[nodiscard]] Outcome outcome_of(double off) const {
     return off <= 1 ? Outcome::done : estimates && off * tolerance < most_bend ? Outcome::estimated : Outcome::bent;
   }
-  // Whether a mean hardly differs from that of pieces twice as long: what is left is less than the difference.
-  [[nodiscard]] bool settled(const Colour& before, const Colour& now) const {
+  // Whether a mean hardly differs from that of pieces twice as long: its error is less than the difference.
+  [[nodiscard]] bool has_converged(const Colour& before, const Colour& now) const {
     for (int c = 0; c < 3; ++c)
       if (!(std::abs(now[c] - before[c]) <= tolerance * std::max<double>(now[c], floor))) return false;
     return true;
@@ -175,8 +180,8 @@ Outcome integrate_by_facets(const Task& task, std::size_t texel, Workspace& ws, 
     shape = {std::max(shape.bend, s.bend), std::max(shape.error, s.error), std::max(shape.thickness, s.thickness)};
     part.move_out();
   }
-  mean.off = task.relative(shape, shape.error);
-  const Outcome outcome = task.judge(mean.off);
+  mean.off = task.relative_error(shape, shape.error);
+  const Outcome outcome = task.outcome_of(mean.off);
   if (outcome == Outcome::bent) return outcome;
   for (const Outline& part : std::span(ws.parts).first(P::facets))
     if (part.points.size() >= 4) integrate(task.source, part.facet, part.points, ws, mean);
@@ -188,8 +193,8 @@ Outcome texel_mean(const Task& task, std::size_t texel, Workspace& ws, Colour& o
   Outcome outcome;
   if (ws.outline.follow(task.source, task.target, ws.sides, texel)) {
     const Outline::Shape shape = ws.outline.shape();
-    mean.off = task.relative(shape, shape.error);
-    outcome = task.judge(mean.off);
+    mean.off = task.relative_error(shape, shape.error);
+    outcome = task.outcome_of(mean.off);
     if (outcome == Outcome::bent) return outcome;
     ws.outline.move_out();
     integrate(task.source, ws.outline.facet, ws.outline.points, ws, mean);
@@ -223,7 +228,8 @@ std::size_t pieces_for(const Task& task, int face, int row, int any_of_block, Wo
     task.find(ws.sides, face, row, column, 1, 4, false);
     const bool outline = ws.outline.follow(task.source, task.target, ws.sides, 0);
     const Outline::Shape shape = outline ? ws.outline.shape() : Outline::Shape{task.tolerance, task.tolerance, 1};
-    bend = std::max(bend, task.relative(shape, shape.bend)), error = std::max(error, task.relative(shape, shape.error));
+    bend = std::max(bend, task.relative_error(shape, shape.bend)),
+    error = std::max(error, task.relative_error(shape, shape.error));
   }
   // The bend falls with the square of the pieces, the error with their fourth power once they are shorter than a texel.
   const double root = std::sqrt(1.2 * error), pieces = 4 * (error < bend ? std::sqrt(root) : root);
@@ -256,7 +262,7 @@ void sample_block(const Task& task, const Sampler& otherwise, int face, int row,
       const Colour before = out[k];
       task.find(ws.sides, face, row, column(k), 1, n, rim);
       const Outcome outcome = texel_mean(task, 0, ws, out[k]);
-      if (outcome == Outcome::done || (outcome == Outcome::estimated && task.settled(before, out[k]))) continue;
+      if (outcome == Outcome::done || (outcome == Outcome::estimated && task.has_converged(before, out[k]))) continue;
       if (outcome != Outcome::unsuitable && times * n <= max_pieces)
         ws.open.push_back(k);
       else

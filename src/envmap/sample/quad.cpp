@@ -33,17 +33,17 @@ constexpr double most_bend = 1.0 / 32;  // Beyond, sides no longer are what thei
 constexpr double most_times = 8;        // Times the tolerance: the bound of a mean that is told to be right by another.
 constexpr Colour unknown(std::numeric_limits<float>::quiet_NaN());
 
+HWY_INLINE V broadcast(double x) { return hn::Set(Lanes(), x); }
+
+// Places in the plane of the source's texels, one a lane.
 struct Place {
   V x, y;
 };
-HWY_INLINE Place minus(const Place& a, const Place& b) { return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y)}; }
-HWY_INLINE Place plus(const Place& a, const Place& b) { return {hn::Add(a.x, b.x), hn::Add(a.y, b.y)}; }
-HWY_INLINE Place times(V s, const Place& a) { return {hn::Mul(s, a.x), hn::Mul(s, a.y)}; }
-HWY_INLINE Place middle(const Place& a, const Place& b) {
-  const V half = hn::Set(Lanes(), 0.5);
-  return {hn::Mul(half, hn::Add(a.x, b.x)), hn::Mul(half, hn::Add(a.y, b.y))};
-}
-HWY_INLINE V cross(const Place& a, const Place& b) { return hn::Sub(hn::Mul(a.x, b.y), hn::Mul(a.y, b.x)); }
+HWY_INLINE Place operator-(const Place& a, const Place& b) { return {a.x - b.x, a.y - b.y}; }
+HWY_INLINE Place operator+(const Place& a, const Place& b) { return {a.x + b.x, a.y + b.y}; }
+HWY_INLINE Place operator*(V s, const Place& a) { return {s * a.x, s * a.y}; }
+HWY_INLINE Place middle(const Place& a, const Place& b) { return broadcast(0.5) * (a + b); }
+HWY_INLINE V cross(const Place& a, const Place& b) { return a.x * b.y - a.y * b.x; }
 
 // After how many columns a source begins again. 0: it does not.
 double period_of(const PaddedLevel& source) { return source.projection() == Projection::latlong ? source.width() : 0; }
@@ -95,85 +95,106 @@ struct Quads {
 // The middle of a level side off its chord's, by the corners to both sides: a second difference is the same along them.
 HWY_INLINE Place off_level(const Grid& grid, int r, std::size_t k) {
   const Place inner = middle(grid.at(r, k + 1), grid.at(r, k + 2)), outer = middle(grid.at(r, k), grid.at(r, k + 3));
-  return times(hn::Set(Lanes(), 0.125), minus(inner, outer));
+  return broadcast(0.125) * (inner - outer);
 }
 
 // Moves a quadrilateral along `way` so that two opposite sides, parabolas whose middles lie off their chords, have as
 // much to one side of them as to the other. Returns the area in between: a parabola of height 1 differs from its mean
 // by 0.2566 in the mean, and from its chord by 2/3.
-V settle(const Place (&off)[2], const Place (&chord)[2], const Place& way, Place (&corners)[4]) {
-  const Lanes d;
-  const Place bend = middle(off[0], off[1]), unlike = minus(off[0], bend);
-  const V share = hn::Div(cross(bend, middle(chord[0], chord[1])), cross(way, middle(chord[0], chord[1])));
-  for (Place& c : corners) c = plus(c, times(hn::Mul(hn::Set(d, 2.0 / 3), share), way));
-  const V like = hn::Add(hn::Abs(cross(bend, chord[0])), hn::Abs(cross(bend, chord[1])));
-  const V rest = hn::Add(hn::Abs(cross(unlike, chord[0])), hn::Abs(cross(unlike, chord[1])));
-  return hn::Add(hn::Mul(hn::Set(d, 0.2566), like), hn::Mul(hn::Set(d, 2.0 / 3), rest));
+V straighten(const Place (&off)[2], const Place (&chord)[2], const Place& way, Place (&corners)[4]) {
+  const Place bend = middle(off[0], off[1]), unlike = off[0] - bend, mean_chord = middle(chord[0], chord[1]);
+  const V share = cross(bend, mean_chord) / cross(way, mean_chord);
+  for (Place& c : corners) c = c + (broadcast(2.0 / 3) * share) * way;
+  const V like = hn::Abs(cross(bend, chord[0])) + hn::Abs(cross(bend, chord[1]));
+  const V rest = hn::Abs(cross(unlike, chord[0])) + hn::Abs(cross(unlike, chord[1]));
+  return broadcast(0.2566) * like + broadcast(2.0 / 3) * rest;
 }
 
-// Finds the window, and leaves out what is not plain: over an edge or too large, or not convex.
-void place(const PaddedLevel& source, const Grid& grid, std::size_t k, const Place (&c)[4], V twice, V off, Quads& q) {
+HWY_INLINE V least_of(V a, V b, V c, V d) { return hn::Min(hn::Min(a, b), hn::Min(c, d)); }
+HWY_INLINE V most_of(V a, V b, V c, V d) { return hn::Max(hn::Max(a, b), hn::Max(c, d)); }
+
+// The texels that quadrilaterals lie over. `left` is within the source's columns, `unwrapped` where the corners are.
+struct Window {
+  V left, unwrapped, top, columns, rows;
+
+  Window(const PaddedLevel& source, const Place (&c)[4])
+      : unwrapped(hn::Floor(least_of(c[0].x, c[1].x, c[2].x, c[3].x))),
+        top(hn::Floor(least_of(c[0].y, c[1].y, c[2].y, c[3].y))) {
+    const V two = broadcast(2), padding = broadcast(Level::padding);
+    const V turns = hn::Floor((unwrapped + padding) / broadcast(source.width()));
+    left = unwrapped - broadcast(period_of(source)) * turns;
+    columns = hn::Floor(most_of(c[0].x, c[1].x, c[2].x, c[3].x)) + two - unwrapped;
+    rows = hn::Floor(most_of(c[0].y, c[1].y, c[2].y, c[3].y)) + two - top;
+  }
+
+  // Whether it is small enough, and within the source and its padding.
+  [[nodiscard]] auto is_plain(const PaddedLevel& source) const {
+    const V padding = broadcast(Level::padding);
+    const auto is_small =
+        hn::And(hn::Le(columns * rows, broadcast(most_taps)), hn::Le(hn::Max(columns, rows), broadcast(longest)));
+    const auto is_inside = hn::And(hn::Le(left + columns, broadcast(source.width()) + padding),
+                                   hn::Le(top + rows, broadcast(source.height()) + padding));
+    return hn::And(hn::And(is_small, is_inside), hn::Le(hn::Neg(padding), hn::Min(left, top)));
+  }
+};
+
+// Sets the windows, and leaves out what is not plain: over an edge or too large, or not convex.
+// @param twice the area, of either sign. @param off share of the area that may be wrong.
+void set_window(const PaddedLevel& source, const Grid& grid, std::size_t k, const Place (&c)[4], V twice, V off,
+                Quads& q) {
   const Lanes d;
-  const V one = hn::Set(d, 1), two = hn::Set(d, 2), padding = hn::Set(d, Level::padding);
-  const V unwrapped = hn::Floor(hn::Min(hn::Min(c[0].x, c[1].x), hn::Min(c[2].x, c[3].x)));
-  const V top = hn::Floor(hn::Min(hn::Min(c[0].y, c[1].y), hn::Min(c[2].y, c[3].y)));
-  const V period = hn::Set(d, period_of(source)), wide = hn::Set(d, source.width());
-  const V left = hn::NegMulAdd(period, hn::Floor(hn::Div(hn::Add(unwrapped, padding), wide)), unwrapped);
-  const V columns =
-      hn::Sub(hn::Add(hn::Floor(hn::Max(hn::Max(c[0].x, c[1].x), hn::Max(c[2].x, c[3].x))), two), unwrapped);
-  const V right = hn::Add(left, columns);
-  const V bottom = hn::Add(hn::Floor(hn::Max(hn::Max(c[0].y, c[1].y), hn::Max(c[2].y, c[3].y))), two);
-  const V rows = hn::Sub(bottom, top);
-  auto plain = hn::And(hn::Le(off, hn::Set(d, most_bend)), hn::Le(hn::Mul(columns, rows), hn::Set(d, most_taps)));
-  plain = hn::And(plain, hn::Le(hn::Max(columns, rows), hn::Set(d, longest)));
-  plain = hn::And(plain, hn::Le(hn::Neg(padding), hn::Min(left, top)));
-  plain = hn::And(plain, hn::Le(right, hn::Add(wide, padding)));
-  plain = hn::And(plain, hn::Le(bottom, hn::Add(hn::Set(d, source.height()), padding)));
+  const V one = broadcast(1);
+  const Window w(source, c);
+  auto plain = hn::And(w.is_plain(source), hn::Le(off, broadcast(most_bend)));
   for (int s = 0; s < 4; ++s) {
     const V face = hn::LoadU(d, &grid.face[s / 2 * 2][k + 1 + std::size_t(s % 2)]);
-    const V turn = cross(minus(c[(s + 1) % 4], c[s]), minus(c[(s + 2) % 4], c[s]));
-    plain = hn::And(plain, hn::And(hn::Eq(face, hn::LoadU(d, &grid.face[0][k + 1])),
-                                   hn::Gt(hn::Mul(twice, turn), hn::Zero(d))));
+    const V turn = cross(c[(s + 1) % 4] - c[s], c[(s + 2) % 4] - c[s]);
+    plain =
+        hn::And(plain, hn::And(hn::Eq(face, hn::LoadU(d, &grid.face[0][k + 1])), hn::Gt(twice * turn, hn::Zero(d))));
   }
-  hn::Store(left, d, q.left), hn::Store(top, d, q.top);
-  hn::Store(hn::IfThenElse(plain, columns, one), d, q.columns), hn::Store(hn::IfThenElse(plain, rows, one), d, q.rows);
+  hn::Store(w.left, d, q.left), hn::Store(w.top, d, q.top);
+  hn::Store(hn::IfThenElse(plain, w.columns, one), d, q.columns);
+  hn::Store(hn::IfThenElse(plain, w.rows, one), d, q.rows);
   // Densities are linear but for an eighth of their second derivative.
-  const V arc = hn::Mul(hn::Max(columns, rows), hn::Set(d, 1.5 / source.height()));
-  hn::Store(hn::IfThenElse(plain, hn::Add(off, hn::Mul(arc, arc)), one), d, q.off);
+  const V arc = hn::Max(w.columns, w.rows) * broadcast(1.5 / source.height());
+  hn::Store(hn::IfThenElse(plain, off + arc * arc, one), d, q.off);
   for (int s = 0; s < 4; ++s)
-    q.corners[s] = {hn::IfThenElseZero(plain, hn::Sub(c[s].x, unwrapped)),
-                    hn::IfThenElseZero(plain, hn::Sub(c[s].y, top))};
+    q.corners[s] = {hn::IfThenElseZero(plain, c[s].x - w.unwrapped), hn::IfThenElseZero(plain, c[s].y - w.top)};
 }
 
-void form(const PaddedLevel& source, const Grid& grid, std::size_t k, Quads& q) {
+// The densities of quadrilaterals that are plain: the plane through their mean that grows as they do along the
+// diagonals. @param twice the area, of either sign.
+void set_densities(const Grid& grid, std::size_t k, const Place (&unmoved)[4], const Place (&c)[4], V twice, Quads& q) {
   const Lanes d;
-  const Place unmoved[4] = {grid.at(0, k + 1), grid.at(0, k + 2), grid.at(2, k + 2), grid.at(2, k + 1)};
-  Place c[4] = {unmoved[0], unmoved[1], unmoved[2], unmoved[3]};
-  const Place e = minus(c[2], c[0]), f = minus(c[3], c[1]), heart = middle(middle(c[0], c[2]), middle(c[1], c[3]));
-  const V twice = cross(e, f);  // The area.
-  const Place level[2] = {minus(c[1], c[0]), minus(c[2], c[3])}, upright[2] = {minus(c[3], c[0]), minus(c[2], c[1])};
-  const Place off_upright[2] = {minus(grid.at(1, k + 1), middle(c[0], c[3])),
-                                minus(grid.at(1, k + 2), middle(c[1], c[2]))};
-  V off = settle({off_level(grid, 0, k), off_level(grid, 2, k)}, level, middle(upright[0], upright[1]), c);
-  off = hn::Add(off, settle(off_upright, upright, middle(level[0], level[1]), c));
-  place(source, grid, k, c, twice, hn::Div(hn::Add(off, off), hn::Abs(twice)), q);
-
-  // The plane through the densities' mean that grows as they do along the diagonals.
+  const Place e = unmoved[2] - unmoved[0], f = unmoved[3] - unmoved[1];
+  const Place heart = middle(middle(unmoved[0], unmoved[2]), middle(unmoved[1], unmoved[3]));
   const V density[4] = {hn::LoadU(d, &grid.density[0][k + 1]), hn::LoadU(d, &grid.density[0][k + 2]),
                         hn::LoadU(d, &grid.density[2][k + 2]), hn::LoadU(d, &grid.density[2][k + 1])};
-  const V de = hn::Sub(density[2], density[0]), df = hn::Sub(density[3], density[1]);
-  const V gx = hn::Div(hn::Sub(hn::Mul(de, f.y), hn::Mul(df, e.y)), twice);
-  const V gy = hn::Div(hn::Sub(hn::Mul(e.x, df), hn::Mul(f.x, de)), twice);
-  const V sum = hn::Add(hn::Add(density[0], density[1]), hn::Add(density[2], density[3]));
-  hn::Store(hn::Mul(hn::Set(d, 0.25), sum), d, q.mean_density);
-  const V scale = hn::CopySign(hn::Div(hn::Set(d, 4), sum), twice);  // Whichever way the corners go round.
-  const auto plain = hn::Lt(hn::Load(d, q.off), hn::Set(d, 1));
-  q.along_x = hn::IfThenElseZero(plain, hn::Mul(gx, scale));
+  const V de = density[2] - density[0], df = density[3] - density[1];
+  const V gx = (de * f.y - df * e.y) / twice, gy = (e.x * df - f.x * de) / twice;
+  const V sum = (density[0] + density[1]) + (density[2] + density[3]);
+  hn::Store(broadcast(0.25) * sum, d, q.mean_density);
+  const V scale = hn::CopySign(broadcast(4) / sum, twice);  // Whichever way the corners go round.
+  const auto plain = hn::Lt(hn::Load(d, q.off), broadcast(1));
+  q.along_x = hn::IfThenElseZero(plain, gx * scale);
   for (int s = 0; s < 4; ++s) {
-    const Place from = minus(c[s], heart);
-    const V grown = hn::Mul(scale, hn::Add(hn::Mul(gx, from.x), hn::Mul(gy, from.y)));
-    q.density[s] = hn::IfThenElseZero(plain, hn::Add(hn::CopySign(hn::Set(d, 1), twice), grown));
+    const Place from = c[s] - heart;
+    const V grown = scale * (gx * from.x + gy * from.y);
+    q.density[s] = hn::IfThenElseZero(plain, hn::CopySign(broadcast(1), twice) + grown);
   }
+}
+
+// The quadrilaterals of the texels from column k of a grid on.
+void set_quads(const PaddedLevel& source, const Grid& grid, std::size_t k, Quads& q) {
+  const Place unmoved[4] = {grid.at(0, k + 1), grid.at(0, k + 2), grid.at(2, k + 2), grid.at(2, k + 1)};
+  Place c[4] = {unmoved[0], unmoved[1], unmoved[2], unmoved[3]};
+  const V twice = cross(c[2] - c[0], c[3] - c[1]);
+  const Place level[2] = {c[1] - c[0], c[2] - c[3]}, upright[2] = {c[3] - c[0], c[2] - c[1]};
+  const Place off_upright[2] = {grid.at(1, k + 1) - middle(c[0], c[3]), grid.at(1, k + 2) - middle(c[1], c[2])};
+  V off = straighten({off_level(grid, 0, k), off_level(grid, 2, k)}, level, middle(upright[0], upright[1]), c);
+  off = off + straighten(off_upright, upright, middle(level[0], level[1]), c);
+  set_window(source, grid, k, c, twice, (off + off) / hn::Abs(twice), q);
+  set_densities(grid, k, unmoved, c, twice, q);
 }
 
 // Weights of the texels of windows.
@@ -187,38 +208,36 @@ struct Weights {
   // second difference of such wedges. Two Gauss points are exact for a cubic, which this is but for the slope.
   void add_side(const Quads& q, int s) {
     const Lanes d;
-    const V zero = hn::Zero(d), one = hn::Set(d, 1), tiny = hn::Set(d, 1e-30), half = hn::Set(d, 0.5);
+    const V zero = hn::Zero(d), one = broadcast(1), tiny = broadcast(1e-30);
     const int next = (s + 1) % 4;
-    const Place a = q.corners[s], side = minus(q.corners[next], a);
+    const Place a = q.corners[s], side = q.corners[next] - a;
     const V dx = hn::IfThenElse(hn::Eq(side.x, zero), tiny, side.x),
             dy = hn::IfThenElse(hn::Eq(side.y, zero), tiny, side.y);
-    const V per_x = hn::Div(one, dx), per_y = hn::Div(one, dy);
+    const V per_x = one / dx, per_y = one / dy;
     const auto rightwards = hn::Gt(dx, zero), downwards = hn::Gt(dy, zero);
-    const V grows = hn::Sub(q.density[next], q.density[s]), third = hn::Mul(hn::Set(d, 1.0 / 3), q.along_x);
+    const V grows = q.density[next] - q.density[s], third = broadcast(1.0 / 3) * q.along_x;
     HWY_ALIGN double from_x[longest + 2][lanes_at_most], to_x[longest + 2][lanes_at_most];
     const auto clamped = [&](V x) HWY_ATTR { return hn::Min(hn::Max(x, zero), one); };
     for (int i = 0; i < columns; ++i) {
-      const V at = clamped(hn::Mul(hn::Sub(hn::Set(d, i - 1.0), a.x), per_x));
+      const V at = clamped((broadcast(i - 1.0) - a.x) * per_x);
       hn::Store(hn::IfThenElse(rightwards, at, zero), d, from_x[i]);
       hn::Store(hn::IfThenElse(rightwards, one, at), d, to_x[i]);
     }
     for (int j = 0; j < rows; ++j) {
-      const V at = clamped(hn::Mul(hn::Sub(hn::Set(d, j - 1.0), a.y), per_y));
+      const V at = clamped((broadcast(j - 1.0) - a.y) * per_y);
       const V from_y = hn::IfThenElse(downwards, at, zero), to_y = hn::IfThenElse(downwards, one, at);
-      const V ay = hn::Sub(a.y, hn::Set(d, j - 1.0));
+      const V ay = a.y - broadcast(j - 1.0);
       double(*out)[lanes_at_most] = wedges + j * (columns + 2);
       for (int i = 0; i < columns; ++i) {
         const V from = hn::Max(hn::Load(d, from_x[i]), from_y), to = hn::Min(hn::Load(d, to_x[i]), to_y);
-        const V length = hn::Max(hn::Sub(to, from), zero), mid = hn::Mul(half, hn::Add(from, to));
-        const V step = hn::Mul(length, hn::Set(d, 0.28867513459481287));
-        const V ax = hn::Sub(a.x, hn::Set(d, i - 1.0));
+        const V length = hn::Max(to - from, zero), mid = broadcast(0.5) * (from + to);
+        const V step = length * broadcast(0.28867513459481287);  // To the Gauss points: 1 / (2 sqrt(3)).
+        const V ax = a.x - broadcast(i - 1.0);
         const auto value = [&](V t) HWY_ATTR {
-          const V x = hn::Add(ax, hn::Mul(side.x, t)), y = hn::Add(ay, hn::Mul(side.y, t));
-          const V density = hn::Sub(hn::Add(q.density[s], hn::Mul(grows, t)), hn::Mul(third, x));
-          return hn::Mul(hn::Mul(hn::Mul(x, x), y), density);
+          const V x = ax + side.x * t, y = ay + side.y * t;
+          return ((x * x) * y) * ((q.density[s] + grows * t) - third * x);
         };
-        const V sum = hn::Add(value(hn::Sub(mid, step)), value(hn::Add(mid, step)));
-        hn::Store(hn::Add(hn::Load(d, out[i]), hn::Mul(hn::Mul(length, side.y), sum)), d, out[i]);
+        hn::Store(hn::Load(d, out[i]) + (length * side.y) * (value(mid - step) + value(mid + step)), d, out[i]);
       }
     }
   }
@@ -232,8 +251,8 @@ struct Weights {
     for (int k = 0; k < wide * (rows + 2); ++k) hn::Store(hn::Zero(d), d, wedges[k]);
     for (int s = 0; s < 4; ++s) add_side(q, s);
     const auto difference = [&](int k, int step) HWY_ATTR {
-      const V twice = hn::Mul(hn::Set(d, 2), hn::Load(d, wedges[k + step]));
-      return hn::Add(hn::Sub(hn::Load(d, wedges[k]), twice), hn::Load(d, wedges[k + 2 * step]));
+      const V twice = broadcast(2) * hn::Load(d, wedges[k + step]);
+      return (hn::Load(d, wedges[k]) - twice) + hn::Load(d, wedges[k + 2 * step]);
     };
     const hn::Rebind<float, Lanes> df;
     for (int k = 0; k < wide * rows; ++k)
@@ -307,7 +326,7 @@ std::uint64_t SampleQuads(const PaddedLevel& source, const Target& target, int d
   for (int part = 0; part < division; ++part) {
     const Grid grid(source, parts, face, row * division + part, first * division, count);
     for (std::size_t k = 0; k < count; k += hn::Lanes(Lanes())) {
-      form(source, grid, k, q);
+      set_quads(source, grid, k, q);
       weights.find(q);
       for (std::size_t lane = 0; lane < std::min(hn::Lanes(Lanes()), count - k); ++lane)
         add(source, int(grid.face[0][k + lane + 1]), q, weights, lane, sums[(k + lane) / std::size_t(division)]);

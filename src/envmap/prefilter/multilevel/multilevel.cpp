@@ -60,11 +60,11 @@ int rows_for(double step) {
   return std::max(least_rows, int(std::bit_ceil(unsigned(std::min(1e6, std::ceil(pi / step))))));
 }
 
-// Rows of the single grid of a power: 4, 5, 6 or 7 times a power of two, as the cost grows with their fourth power.
+// Rows of the single grid of a power: 8 to 15 times a power of two, as the cost grows with their fourth power.
 int rows_of_power(double step) {
   const int wanted = int(std::min(1e6, std::ceil(pi / step)));
-  int unit = least_rows / 4;
-  while (7 * unit < wanted) unit *= 2;
+  int unit = least_rows / 8;
+  while (15 * unit < wanted) unit *= 2;
   return std::max(least_rows, (wanted + unit - 1) / unit * unit);
 }
 
@@ -80,11 +80,11 @@ void set_horizon_terms(MultilevelPlan& plan, LevelKernel& last, const std::array
   for (std::size_t k = 0; k < 3; ++k) last.horizon_terms[k] = float(factors[k] / last.scale);
 }
 
-// Rows of a grid whose error at the horizon is within beta x the floor. A term of t^4 starts there, and the error of
-// its interpolation is 0.04 x its factor x step^4.
-int rows_at_horizon(const ErrorTier& s, double fourth) {
+// The step of a grid whose error at the horizon is within beta x the floor. A term of t^n starts there, n > 3, and the
+// error of its interpolation is at most 0.04 x its factor x step^n.
+double step_at_horizon(const ErrorTier& s, double factor, double n = 4) {
   constexpr double of_interpolation = 0.04;
-  return rows_for(std::sqrt(std::sqrt(s.beta * floor_density / (of_interpolation * std::max(1e-12, fourth)))));
+  return portable::pow(s.beta * floor_density / (of_interpolation * std::max(1e-12, factor)), 1 / n);
 }
 
 // GGX is k t / (a + x)^2, with W = a + 1 and t = 1 - x. Its series at the horizon is
@@ -114,7 +114,8 @@ std::optional<MultilevelPlan> plan_of(const Ggx& lobe, const ErrorTier& s, int m
   }
   k.outer = {}, k.end = 1;
   set_horizon_terms(plan, k, {first, second, third});
-  plan.steps.push_back({std::max(rows, rows_at_horizon(s, 4.0 / 3 * third / whole)), k});
+  const double step = step_at_horizon(s, 4.0 / 3 * third / whole);
+  plan.steps.push_back({std::max(rows, plan.steps.empty() ? rows_of_power(step) : rows_for(step)), k});
   return plan;
 }
 
@@ -124,7 +125,7 @@ std::optional<MultilevelPlan> plan_of_power(LevelKernel k, double width, int lea
   k.max_variation = float(s.max_variation_power), plan.width = width;
   // The farther out a tail falls to the floor, the finer a grid it needs.
   const double tail = portable::log(k.scale / floor_density);
-  const int rows = std::max(least, rows_of_power(width / (s.per_sigma * std::max(0.92, tail / 16.3))));
+  const int rows = std::max(least, rows_of_power(width / (s.per_sigma * std::max(0.975, tail / 16.3))));
   // The tail is cut where its rest is small beside the floor.
   const double left = portable::log(k.scale / (0.02 * error * floor_density));
   k.end = float(std::min(1.0, -portable::expm1(-left / double(k.power)) / double(k.part)));
@@ -136,13 +137,14 @@ std::optional<MultilevelPlan> plan_of_power(LevelKernel k, double width, int lea
 }
 
 std::optional<MultilevelPlan> plan_of(const Phong& lobe, double error, const ErrorTier& s, int max_rows) {
-  if (lobe.exponent < 4) return std::nullopt;
+  if (lobe.exponent < 3.6) return std::nullopt;
   MultilevelPlan plan;
   plan.constant = 1;
   const LevelKernel k{.kind = LevelKernel::Kind::power, .power = float(lobe.exponent), .scale = lobe.scale()};
-  const int at_horizon = lobe.exponent >= 6 ? 128 : 256;
-  return plan_of_power(k, 1 / std::sqrt(lobe.exponent), s.quartic ? 2 * at_horizon : at_horizon, error, s, max_rows,
-                       plan);
+  // From exponent 6 on the lobe leaves the horizon more and more smoothly.
+  const Phong steepest{std::min(6.0, lobe.exponent)};
+  const int at_horizon = rows_of_power(step_at_horizon(s, steepest.scale(), std::min(4.5, lobe.exponent)));
+  return plan_of_power(k, 1 / std::sqrt(lobe.exponent), at_horizon, error, s, max_rows, plan);
 }
 
 std::optional<MultilevelPlan> plan_of(const BlinnPhong& lobe, double error, const ErrorTier& s, int max_rows) {
@@ -154,7 +156,7 @@ std::optional<MultilevelPlan> plan_of(const BlinnPhong& lobe, double error, cons
   const auto terms = blinn_horizon_terms(lobe).factors;
   // Terms that are negligible even if all light lies at the horizon are dropped.
   if (most_flux * (terms[0] + terms[1] + terms[2]) > 0.002 * error * floor_of_mean) set_horizon_terms(plan, k, terms);
-  const int at_horizon = rows_at_horizon(s, std::abs(p - 2) / 3 * terms[2]);
+  const int at_horizon = rows_of_power(step_at_horizon(s, std::abs(p - 2) / 3 * terms[2]));
   return plan_of_power(k, 1 / std::sqrt(0.5 * p + 1), at_horizon, error, s, max_rows, plan);
 }
 

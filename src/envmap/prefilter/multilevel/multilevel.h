@@ -52,7 +52,7 @@ struct MultilevelPlan {
 };
 
 /// @return nothing where the method has no bound within `error`: for errors below 1e-4, Phong lobes of exponent below
-/// 4, and sheen.
+/// 3.6, and sheen.
 /// @param max_rows of a grid, a power of two from 256. What is too narrow for it is the near field.
 /// @param source latlong or cube.
 std::optional<MultilevelPlan> multilevel_plan(const Lobe& lobe, double error, int max_rows = 2048,

@@ -32,7 +32,7 @@ inline int finest_rows(const Level& source, double outputs = 0) {
   return std::clamp(int(std::bit_ceil(unsigned(std::sqrt(product)))), 256, 2048);
 }
 
-/// Rows of the coarsest grid, about. All numbers of rows are 4, 5, 6 or 7 times a power of two.
+/// Rows of the coarsest grid, about. All numbers of rows are 8 to 15 times a power of two.
 inline constexpr int least_rows = 64;
 
 /// Grids of `finest` rows, of half as many, and so on down to least_rows.

@@ -25,7 +25,7 @@ NodeGrid::NodeGrid(int of_rows) : rows(of_rows) {
   for (int r = 0; r < rows; ++r) {
     const double part = (r + 0.5) / rows, sine_here = portable::sin_pi(part);
     int count = 2 * rows;
-    for (double s = 2 * sine_here; s <= 1 && count > 64; s *= 2) count /= 2;
+    for (double s = 2 * sine_here; s <= 1 && count > 64 && count % 16 == 0; s *= 2) count /= 2;
     columns.push_back(count), first.push_back(size);
     sine.push_back(float(sine_here));
     half_sine.push_back(portable::sin_pi(0.5 * part)), half_cosine.push_back(portable::cos_pi(0.5 * part));

@@ -68,9 +68,9 @@ struct OnLatlong {
   // Points down a row: x = c + g (1 - cos(longitude)).
   struct Row {
     double size;  // See PiecePoints.
-    alignas(32) float c[PanelRule::most], g[PanelRule::most], weight[PanelRule::most];
+    alignas(32) float c[SideRule::most], g[SideRule::most], weight[SideRule::most];
   };
-  HWY_INLINE void set(const Piece& p, const PanelRule& rule, Row& row) const {
+  HWY_INLINE void set(const Piece& p, const SideRule& rule, Row& row) const {
     const D d;
     const double high = p.y1 - p.y0;
     // Sines are expanded about the upper side: near a pole, differences from the output would lose their digits.
@@ -142,9 +142,9 @@ struct OnCube {
 
   struct Row {
     double size;
-    float down[PanelRule::most], weight[PanelRule::most];
+    float down[SideRule::most], weight[SideRule::most];
   };
-  HWY_INLINE void set(const Piece& p, const PanelRule& rule, Row& row) const {
+  HWY_INLINE void set(const Piece& p, const SideRule& rule, Row& row) const {
     row.size = p.y1 - p.y0;
     for (std::size_t k = 0; k < rule.count; ++k)
       row.down[k] = float(p.y0 + rule.at[k] * row.size), row.weight[k] = float(rule.weight[k]);

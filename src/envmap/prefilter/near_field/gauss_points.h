@@ -31,32 +31,25 @@ struct SixteenPoints {
 };
 inline constexpr SixteenPoints points;
 
-/// Points of a texel's side, from 0 to 1: a Gauss rule on each of some equal panels.
-struct PanelRule {
+/// Gauss points of a texel's side, from 0 to 1.
+struct SideRule {
   static constexpr std::size_t most = 16;
   std::size_t count;
-  double panel;  ///< Length of a panel.
   std::array<double, most> at{}, weight{};
   /// Places and weights as floats. After the last point its place repeats, without weight.
   alignas(64) float at_lanes[most] = {}, weight_lanes[most] = {};
 
   template <int N>
-  constexpr PanelRule(const quadrature::Rule<N>& rule, std::size_t panels)
-      : count(N * panels), panel(1.0 / double(panels)) {
-    for (std::size_t k = 0; k < count; ++k) {
-      at[k] = (double(k / N) + 0.5 + 0.5 * rule.node[k % N]) * panel;
-      weight[k] = 0.5 * rule.weight[k % N] * panel, weight_lanes[k] = float(weight[k]);
-    }
+  constexpr explicit SideRule(const quadrature::Rule<N>& rule) : count(N) {
+    for (std::size_t k = 0; k < count; ++k)
+      at[k] = 0.5 + 0.5 * rule.node[k], weight[k] = 0.5 * rule.weight[k], weight_lanes[k] = float(weight[k]);
     for (std::size_t k = 0; k < most; ++k) at_lanes[k] = float(at[std::min(k, count - 1)]);
   }
 };
 
-/// Two or three points of a side: for texels far from a pole, or where a lobe is flat.
-inline constexpr PanelRule two_points(quadrature::gauss_2, 1), three_points(quadrature::gauss_3, 1);
-/// Four points on each of 1, 2 or 4 panels.
-inline constexpr std::array<PanelRule, 3> four_points{PanelRule(quadrature::gauss_4, 1),
-                                                      PanelRule(quadrature::gauss_4, 2),
-                                                      PanelRule(quadrature::gauss_4, 4)};
+/// Two or three points of a side: for texels far from a pole, or where a lobe is flat. Four: nearer to it.
+inline constexpr SideRule two_points(quadrature::gauss_2), three_points(quadrature::gauss_3),
+    four_points(quadrature::gauss_4);
 
 /// sin(t) and 1 - cos(t) of a small angle, without loss of digits: to 1e-16 for t up to 0.4.
 struct SmallAngle {

@@ -72,7 +72,7 @@ struct PowerRow {
   template <bool cosine>
   static PowerRow of(const LevelKernel& k, const OnLatlong::Row& row, std::size_t points) {
     const D d;
-    alignas(32) float value[PanelRule::most], factor[PanelRule::most];
+    alignas(32) float value[SideRule::most], factor[SideRule::most];
     for (std::size_t j = 0; j < points; j += lanes) {
       const V one = broadcast(1), c = hn::Load(d, row.c + j), y = broadcast(k.part) * c;
       const V all = hn::Load(d, row.weight + j) * power_of(k, y);

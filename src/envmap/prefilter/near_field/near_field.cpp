@@ -88,8 +88,8 @@ using RowsOfLatlong = std::span<const RowOfLatlong>;
 Flux over_rows(const LevelKernel& k, RowsOfLatlong rows, const Columns& columns, const Light& of) {
   const Piece& first = rows[0].texels.texel;
   const Rules rules = rules_for(k, first.y1 - first.y0, columns.low, columns.high - columns.low);
-  for (const RuleAcross& r : rules.all)
-    for (std::size_t e = 0; e < r.rule.count; ++e) columns.set(r.rule.at[e], r.x + e * r.stride);
+  for (const RuleAcross& r : rules.used())
+    for (std::size_t e = 0; e < r.rule->count; ++e) columns.set(r.rule->at[e], r.x + e * r.stride);
   Flux sum(0);
   for (const RowOfLatlong& r : rows) sum += OverRow(r.place, k, rules, r.texels, of);
   return sum;
@@ -127,8 +127,9 @@ template <bool cosine>
 Flux over_power_rows(const LevelKernel& k, RowsOfLatlong rows, const Columns& columns, const Light& of) {
   const Piece& first = rows[0].texels.texel;
   const double high = first.y1 - first.y0;
-  const Middles middles(columns, panels_for(k, high));
-  const PanelRule& down = four_points[middles.panels / 2];
+  const double fall = fall_over(k, high) / double(k.max_variation);
+  const Middles middles(columns, std::size_t(std::ceil(std::max(1.0, fall))));
+  const SideRule& down = steepest_rule(k, high);
   std::vector<PowerRow> powers;
   powers.reserve(rows.size());
   double least = 1, most = 0, farthest = 0;
@@ -147,9 +148,9 @@ Flux over_power_rows(const LevelKernel& k, RowsOfLatlong rows, const Columns& co
   return panel * high * sum;
 }
 
-// Whether a power falls little enough over a quarter of a texel for narrow_power-inl.h.
+// Whether a power falls little enough over a texel for narrow_power-inl.h.
 bool is_power(const LevelKernel& k, double side) {
-  return k.kind == LevelKernel::Kind::power && fall_over(k, 0.25 * side) <= double(k.max_variation);
+  return k.kind == LevelKernel::Kind::power && fall_over(k, side) <= most_panels * double(k.max_variation);
 }
 
 Flux NearFieldLatlong(const Light& light, const LevelKernel& k, const GridView& view) {
@@ -206,10 +207,10 @@ Flux NearFieldCube(const Light& light, const LevelKernel& k, const Direction& n)
     const OnCube place{float(s), float(t), float(std::sqrt(1 + s * s + t * t))};
     const double left = across.first * wide - 1 - s;
     const Rules rules = rules_for(k, wide, across.first, count);
-    for (const RuleAcross& r : rules.all)
-      for (std::size_t e = 0; e < r.rule.count; ++e)
+    for (const RuleAcross& r : rules.used())
+      for (std::size_t e = 0; e < r.rule->count; ++e)
         for (int i = 0; i < count + int(virtual_lanes); ++i)
-          r.x[e * r.stride + std::size_t(i)] = float(left + (i + r.rule.at[e]) * wide);
+          r.x[e * r.stride + std::size_t(i)] = float(left + (i + r.rule->at[e]) * wide);
     for (int row = down.first; row <= down.last; ++row) {
       const double y = row * wide - 1 - t;
       sum += OverRow(place, k, rules, {source.row(face, row), across.first, count, {left, left + wide, y, y + wide}},

@@ -3,7 +3,6 @@
 /// source. Declarations that the files of this folder share; multilevel_kernels.h declares near_field_sum().
 #pragma once
 
-#include <array>
 #include <cmath>
 #include <span>
 
@@ -11,23 +10,6 @@
 #include "envmap/prefilter/near_field/gauss_points.h"
 
 namespace envmap::prefiltering {
-
-// A rule of points for a row of texels, with the coordinates of its points across (gauss_points-inl.h).
-struct RuleAcross {
-  const PanelRule& rule;
-  double part;             // The variation that it serves, over that of four points of a panel.
-  float* x = nullptr;      // The first point of each texel.
-  std::size_t stride = 0;  // The coordinates of the next points follow so far behind.
-
-  // One point about in the middle of each texel, from texel k on.
-  [[nodiscard]] const float* middle_of(std::size_t k) const { return x + rule.count / 2 * stride + k; }
-};
-
-// Rules from the sparsest on.
-struct Rules {
-  std::array<RuleAcross, 3> all;
-  int low = 0;  // Column of the first coordinates.
-};
 
 // Texels of one row of the source, in coordinates about an output.
 struct RowOfTexels {

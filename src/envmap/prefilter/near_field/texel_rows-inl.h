@@ -6,6 +6,7 @@
 // tests/bench/kappa.cpp measures the error of all rules together.
 #include "envmap/prefilter/near_field/gauss_points-inl.h"
 #include "envmap/prefilter/near_field/near_field.h"
+#include "envmap/prefilter/near_field/point_rules.h"
 #include "envmap/prefilter/work_counters.h"
 
 #if defined(ENVMAP_PREFILTER_TEXEL_ROWS_INL_H_) == defined(HWY_TARGET_TOGGLE)
@@ -66,7 +67,7 @@ HWY_INLINE auto rule_is_accurate(const K& kernel, const RuleAcross& r, double si
   const float most = float(r.part) * kernel.k.max_variation;
   if (kernel.k.kind == LevelKernel::Kind::ggx)
     return hn::Le(broadcast(size * size), broadcast(most) * (square + broadcast(2 * kernel.k.a)));
-  const float steep = float(size * r.rule.panel) * kernel.k.power * kernel.k.part;
+  const float steep = float(size) * kernel.k.power * kernel.k.part;
   return hn::Le(broadcast(steep * steep) * (square + broadcast(size * size)), broadcast(most * most));
 }
 
@@ -99,22 +100,22 @@ template <std::size_t some, class Place, class K>
 HWY_INLINE V by_points(const Place& place, const K& kernel, const typename Place::Row& row, const RuleAcross& r,
                        std::size_t k) {
   const D d;
-  const std::size_t count = some > 0 ? some : r.rule.count;  // Loops of a few points are unrolled.
+  const std::size_t count = some > 0 ? some : r.rule->count;  // Loops of a few points are unrolled.
   V sum = hn::Zero(d);
   for (std::size_t e = 0; e < count; ++e) {
     const V across = hn::LoadU(d, r.x + e * r.stride + k);
     V column = hn::Zero(d);
     for (std::size_t g = 0; g < count; ++g)
       column += place.weight(row, g, across) * kernel(place.versine(row, g, across));
-    sum += broadcast(r.rule.weight_lanes[e]) * column;
+    sum += broadcast(r.rule->weight_lanes[e]) * column;
   }
   return sum;
 }
 template <class Place, class K>
 HWY_INLINE V by_rule(const Place& place, const K& kernel, const typename Place::Row& row, const RuleAcross& r,
                      std::size_t k) {
-  if (r.rule.count == 2) return by_points<2>(place, kernel, row, r, k);
-  if (r.rule.count == 3) return by_points<3>(place, kernel, row, r, k);
+  if (r.rule->count == 2) return by_points<2>(place, kernel, row, r, k);
+  if (r.rule->count == 3) return by_points<3>(place, kernel, row, r, k);
   return by_points<0>(place, kernel, row, r, k);
 }
 
@@ -137,7 +138,7 @@ class RowSum {
       const EightTexels eight(texels_, k, light);
       const std::size_t rule = sparsest_rule(std::size_t(k));
       const RuleAcross& r = rules_.all[rule];
-      points_ += virtual_lanes * r.rule.count * r.rule.count;
+      points_ += virtual_lanes * r.rule->count * r.rule->count;
       for (std::size_t part = 0; part < parts; ++part) {
         const std::size_t at = std::size_t(k) + part * lanes;
         const auto accurate = is_accurate(rule, at);
@@ -154,7 +155,7 @@ class RowSum {
  private:
   // The points down the row by a rule, made when they are first used.
   HWY_INLINE const typename Place::Row& row(std::size_t rule) {
-    if (!made_[rule]) place_.set(texels_.texel, rules_.all[rule].rule, rows_[rule]), made_[rule] = true;
+    if (!made_[rule]) place_.set(texels_.texel, *rules_.all[rule].rule, rows_[rule]), made_[rule] = true;
     return rows_[rule];
   }
 
@@ -162,19 +163,19 @@ class RowSum {
   HWY_INLINE auto is_accurate(std::size_t rule, std::size_t k) {
     const RuleAcross& r = rules_.all[rule];
     const typename Place::Row& points = row(rule);
-    const V middle = place_.versine(points, r.rule.count / 2, hn::LoadU(D(), r.middle_of(column_ + k)));
+    const V middle = place_.versine(points, r.rule->count / 2, hn::LoadU(D(), r.middle_of(column_ + k)));
     return rule_is_accurate(kernel_, r, points.size, middle);
   }
 
   // The sparsest rule that is accurate in all of eight texels from texel k on, or the last rule.
   HWY_INLINE std::size_t sparsest_rule(std::size_t k) {
-    for (std::size_t rule = first_rule_; rule + 1 < rules_.all.size(); ++rule) {
+    for (std::size_t rule = first_rule_; rule + 1 < rules_.count; ++rule) {
       bool all = true;
       for (std::size_t part = 0; part < parts; ++part)
         all = all && hn::AllTrue(D(), is_accurate(rule, k + part * lanes));
       if (all) return rule;
     }
-    return rules_.all.size() - 1;
+    return rules_.count - 1;
   }
 
   // Adds the texels of a vector, from texel k on, for which the rule is not accurate.
@@ -197,8 +198,8 @@ class RowSum {
   const Rules& rules_;
   const RowOfTexels& texels_;
   const std::size_t column_, first_rule_;  // The first texel's among the coordinates of the rules.
-  std::array<typename Place::Row, 3> rows_;
-  std::array<bool, 3> made_{};
+  std::array<typename Place::Row, Rules::most> rows_;
+  std::array<bool, Rules::most> made_{};
   std::size_t points_ = 0;
 };
 
@@ -210,34 +211,18 @@ Flux OverRow(const Place& place, const LevelKernel& k, const Rules& rules, const
   return k.quartic ? with(GgxKernel<false, true, true>{k}) : with(GgxKernel<false, true, false>{k});
 }
 
-// The power of e by which a power falls over a side, where it is steepest.
-double fall_over(const LevelKernel& k, double side) {
-  return side * double(k.power * k.part) * (std::sqrt(2 * double(k.end)) + side);
-}
-
-// The number of panels of four points that a side needs where the lobe is steepest.
-std::size_t panels_for(const LevelKernel& k, double side) {
-  if (k.kind == LevelKernel::Kind::ggx) return 1;
-  const double panels = fall_over(k, side) / double(k.max_variation);
-  return panels <= 1 ? 1 : panels <= 2 ? 2 : 4;
-}
-
-// The rules for texels of a side, with room for the coordinates of `columns` columns from `low` on and a vector more.
-// The room is kept until this thread asks for others. The limits follow from the remainders of Gauss's rules, h^4 /
-// 4320 and h^6 / 2016000 times the fourth and sixth derivative: 1e-5 to 5e-5 of a texel.
+// rules_of() with room for the coordinates of `columns` columns from `low` on and a vector more. The room is kept until
+// this thread asks for others.
 Rules rules_for(const LevelKernel& k, double side, int low, int columns) {
-  const bool ggx = k.kind == LevelKernel::Kind::ggx;
-  Rules rules{{{{two_points, ggx ? 0.028 : 0.06},
-                {three_points, ggx ? 0.175 : 0.4},
-                {four_points[panels_for(k, side) / 2], ggx ? 0.45 : 1}}},
-              low};
+  Rules rules = rules_of(k, side);
+  rules.low = low;
   thread_local std::vector<float> room;
   const std::size_t stride = std::size_t(columns) + 2 * virtual_lanes;
   std::size_t size = 0;
-  for (RuleAcross& r : rules.all) r.stride = stride, size += r.rule.count * stride;
+  for (RuleAcross& r : rules.used()) r.stride = stride, size += r.rule->count * stride;
   if (room.size() < size) room.resize(size);
   float* x = room.data();
-  for (RuleAcross& r : rules.all) r.x = x, x += r.rule.count * stride;
+  for (RuleAcross& r : rules.used()) r.x = x, x += r.rule->count * stride;
   return rules;
 }
 
