@@ -51,8 +51,8 @@ TEST(CostSteps, NeighboursCostAboutTheSame) {
             if (before.cost > 0 && kind_of(before, source) == kind_of(now, source)) {
               ++compared;
               const double ratio = now.cost / before.cost;
-              EXPECT_LT(std::max(ratio, 1 / ratio), family.most_ratio) << family.name << ' ' << x << ", " << source.height() << " rows, "
-                                                         << size << ", " << error;
+              EXPECT_LT(std::max(ratio, 1 / ratio), family.most_ratio)
+                  << family.name << ' ' << x << ", " << source.height() << " rows, " << size << ", " << error;
             }
             before = std::move(now);
           }

@@ -1,5 +1,5 @@
-// The limits of the rules follow from the remainder of Gauss's rules. That of N points is N!^4 / ((2N + 1) (2N)!^3) times
-// the 2N-th derivative (Abramowitz and Stegun 1964, 25.4.30): 1e-5 to 5e-5 of a texel.
+// The limits of the rules follow from the remainder of Gauss's rules. That of N points is N!^4 / ((2N + 1) (2N)!^3)
+// times the 2N-th derivative (Abramowitz and Stegun 1964, 25.4.30): 1e-5 to 5e-5 of a texel.
 #include "envmap/prefilter/near_field/point_rules.h"
 
 #include <algorithm>
