@@ -61,7 +61,7 @@ std::string argument_lines(const Options& options, const Text& text) {
 std::string option_lines(const Options& options, const Text& text) {
   std::string out;
   for (const std::string_view group : groups_of(options)) {
-    out += fmt::format(".SS {}\n", group);
+    out += fmt::format(".SS {}\n", roff(std::string(group)));
     for (const Option& o : options.rows)
       if (!o.is_argument() && o.group == group) out += option_lines(o, text);
   }
@@ -140,16 +140,18 @@ constexpr ExitStatus exit_statuses[] = {
      [](const Options& o) { return o.has("--max-error") && !o.has("--orbit"); }},
     {2, "The command line is wrong.", nullptr},
     {3, "An input cannot be read, or is damaged.", reads_files},
-    {4, "An output cannot be written; of batch: a job failed.", nullptr},
+    {4, "An output cannot be written.", nullptr},
     {5, "No renderer was found.", [](const Options& o) { return o.has("--context") || o.has("--task"); }},
 };
 
 // @param options of a command, or null: all statuses.
 std::string statuses(const Options* options) {
+  const bool of_batch = options == nullptr || options->has("--jobs");
   std::string lines = ".SH EXIT STATUS\n";
   for (const ExitStatus& s : exit_statuses)
     if (options == nullptr || s.applies == nullptr || s.applies(*options))
-      lines += fmt::format(".TP\n{}\n{}\n", s.status, roff(std::string(s.what)));
+      lines += fmt::format(".TP\n{}\n{}{}\n", s.status, roff(std::string(s.what)),
+                           s.status == 4 && of_batch ? " Of batch: a job failed." : "");
   return lines;
 }
 
@@ -188,7 +190,10 @@ std::string command_page(const Command& command) {
   const Text text = text_of(command.name);
   std::string synopsis = fmt::format("\\fBenvmap {}\\fR [\\fIOPTIONS\\fR]", command.name), description, examples;
   for (const Option& o : options.rows)
-    if (o.is_argument()) synopsis += " \\fI" + roff(o.name) + "\\fR" + (o.takes_several() ? "..." : "");
+    if (o.is_argument()) {
+      const std::string word = "\\fI" + roff(o.name) + "\\fR" + (o.takes_several() ? "..." : "");
+      synopsis += o.required ? " " + word : " [" + word + "]";
+    }
   for (const std::string& paragraph : text.description) description += paragraph_lines(paragraph);
   for (const Example& e : text.examples) examples += ".TP\n\\fB" + roff(e.command) + "\\fR\n" + roff(e.what) + "\n";
   if (description.starts_with(".PP\n")) description.erase(0, 4);
