@@ -6,6 +6,11 @@ set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME envmap)
 install(TARGETS envmap_program RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(TARGETS envmap_formats LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/envmap)
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/docs/library.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
+# What the examples read: 'envmap manual --samples' prints the folder.
+set(samples ${CMAKE_INSTALL_DATADIR}/envmap/samples)
+install(FILES ${PROJECT_SOURCE_DIR}/samples/sample.hdr DESTINATION ${samples})
+install(FILES ${PROJECT_SOURCE_DIR}/samples/scenes/make.py ${PROJECT_SOURCE_DIR}/samples/scenes/gltf.py
+  DESTINATION ${samples}/scenes)
 foreach(section 1 3 7)
   file(GLOB pages CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/man/*.${section})
   install(FILES ${pages} DESTINATION ${CMAKE_INSTALL_MANDIR}/man${section})

@@ -6,9 +6,12 @@
 #include <limits>
 #include <map>
 
+#include "cli/console.h"
 #include "cli/help.h"
 #include "cli/text.h"
 #include "command.h"
+#include "envmap/base/error.h"
+#include "envmap/base/own_program.h"
 #include "maps/read_and_write_maps.h"
 
 namespace tools {
@@ -233,24 +236,47 @@ std::string topic_page(std::string_view topic) {
   return page + ".SH SEE ALSO\n.BR envmap (1),\n.BR envmap\\-conventions (7)\n";
 }
 
+// The folder of sample.hdr: as installed, or in the sources two folders above a program that was built there.
+std::filesystem::path samples_folder() {
+  const std::filesystem::path program = envmap::own_program().parent_path();
+  std::error_code error;
+  for (const char* place : {ENVMAP_SAMPLES_FROM_PROGRAM, "../../samples"})
+    if (const auto folder = std::filesystem::weakly_canonical(program / place, error);
+        !program.empty() && std::filesystem::exists(folder / "sample.hdr", error))
+      return folder;
+  throw envmap::InputError(program / ENVMAP_SAMPLES_FROM_PROGRAM,
+                           "no sample.hdr there: install envmap anew, or take the folder samples of its sources");
+}
+
+void write_pages(const std::filesystem::path& to) {
+  write_text(to / "envmap.1", main_page());
+  for (const std::string_view topic : topics) write_text(to / fmt::format("envmap-{}.7", topic), topic_page(topic));
+  for (const Command& c : commands()) write_text(to / fmt::format("envmap-{}.1", c.name), command_page(c));
+}
+
+void write_schemas(const std::filesystem::path& to) {
+  for (const Command& c : commands())
+    if (c.reports) write_text(to / fmt::format("{}.json", c.name), schema_of(c.name));
+}
+
 }  // namespace
 
 Action define_manual(Options& o) {
   const auto folder = std::make_shared<std::string>();
-  const auto schemas = std::make_shared<bool>(false);
-  o.add("FOLDER", "", folder.get(), "Folder to write, which must exist").required = true;
+  const auto schemas = std::make_shared<bool>(false), samples = std::make_shared<bool>(false);
+  o.add("FOLDER", "", folder.get(), "Folder to write, which must exist");
   o.group = groups::output_file;
   o.flag("--schemas", *schemas, "Write JSON Schemas of the reports of --json instead of man pages");
-  return [folder, schemas](Report&) {
-    const std::filesystem::path to = *folder;
-    if (!*schemas) write_text(to / "envmap.1", main_page());
-    for (const std::string_view topic : topics)
-      if (!*schemas) write_text(to / fmt::format("envmap-{}.7", topic), topic_page(topic));
-    for (const Command& c : commands())
-      if (!*schemas)
-        write_text(to / fmt::format("envmap-{}.1", c.name), command_page(c));
-      else if (c.reports)
-        write_text(to / fmt::format("{}.json", c.name), schema_of(c.name));
+  o.flag("--samples", *samples, "Print the folder of sample.hdr, the map of the examples");
+  return [folder, schemas, samples](Report&) {
+    if (*samples && (*schemas || !folder->empty()))
+      throw envmap::UsageError("--samples writes nothing: give neither FOLDER nor --schemas");
+    if (*samples)
+      print(samples_folder().string() + "\n");
+    else if (folder->empty())
+      throw envmap::UsageError("FOLDER is required: the folder to write");
+    else
+      *schemas ? write_schemas(*folder) : write_pages(*folder);
     return 0;
   };
 }
