@@ -8,7 +8,7 @@ install(TARGETS envmap_formats LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/envma
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/docs/library.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
 # What the examples read: 'envmap manual --samples' prints the folder.
 set(samples ${CMAKE_INSTALL_DATADIR}/envmap/samples)
-install(FILES ${PROJECT_SOURCE_DIR}/samples/sample.hdr DESTINATION ${samples})
+install(FILES ${PROJECT_SOURCE_DIR}/samples/sample.hdr ${PROJECT_SOURCE_DIR}/samples/inputs.sh DESTINATION ${samples})
 install(FILES ${PROJECT_SOURCE_DIR}/samples/scenes/make.py ${PROJECT_SOURCE_DIR}/samples/scenes/gltf.py
   DESTINATION ${samples}/scenes)
 foreach(section 1 3 7)

@@ -261,6 +261,16 @@ def metals():
     return scene
 
 
+def chrome_ball():
+    """A ball of 20 cm that a camera photographs from 1.5 m, 15 radii away; no light of its own. The ball mirrors the camera."""
+    scene = Scene()
+    chrome = scene.material("chrome", (0.6, 0.6, 0.6), metallic=1.0, roughness=0.0)
+    scene.node("ball", scene.mesh(ball(0.1, 96), chrome))
+    scene.node("camera body", scene.mesh(moved(box(0.16, 0.12, 0.1), 0, 0, 1.58), scene.material("black", (0.01, 0.01, 0.01))))
+    scene.camera("front", (0, 0, 1.5), (0, 0, 0), math.radians(11.5))
+    return scene
+
+
 def facing():
     """Two mirrors of 2 x 2 m, 2 m apart along X, in a lit room of 6 x 5 x 6 m."""
     scene = Scene()
@@ -293,7 +303,8 @@ def main():
     os.makedirs(folder, exist_ok=True)
     for name, scene in (("room-2", room(2)), ("room-4", room(4)), ("room-21", room(21)),
                         ("room-21-two-sided", room(21, True)), ("wire-cube", wire_cube()), ("ball", ball_on_a_table()),
-                        ("balls", balls()), ("terrace", terrace()), ("metals", metals()), ("facing", facing()), ("cellar", cellar())):
+                        ("balls", balls()), ("terrace", terrace()), ("metals", metals()), ("chrome-ball", chrome_ball()),
+                        ("facing", facing()), ("cellar", cellar())):
         scene.save(os.path.join(folder, name + ".glb"))
 
 
