@@ -82,7 +82,7 @@ std::string overview() {
   return all + "Options:\n" + beside("  -h, --help", "Print this help") +
          beside("  --version", "Print the version, the libraries and the renderer") +
          "'envmap COMMAND -h' shows the main options of a command, 'envmap COMMAND --help' all of them.\n"
-         "Manual: man envmap; recipes: man 7 envmap\n";
+         "Manual: man envmap; recipes: man 7 envmap; symptoms: how-to/troubleshooting.md in share/doc/envmap\n";
 }
 
 }  // namespace tools
