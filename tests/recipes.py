@@ -1,7 +1,8 @@
-"""Runs the commands of the documents word for word, on files with the names that they use: every indented line of README.md and of
-docs/ that begins with `envmap` or `$ envmap`, in its order, and every recipe of man/envmap.7. Where output follows a command, it is compared.
+"""Runs the commands of the documents word for word, on the files that samples/inputs.sh makes of samples/sample.hdr: every indented line
+of README.md and of docs/ that begins with `envmap` or `$ envmap`, in its order, every recipe of man/envmap.7, and every example of the pages
+of commands, which are those of --help. Where output follows a command, it is compared.
 
-  recipes.py SOURCE_DIR ENVMAP
+  recipes.py SOURCE_DIR ENVMAP [WORD]    WORD: only what has this word in its name, such as README or envmap-convert
 """
 import os
 import pathlib
@@ -11,7 +12,9 @@ import subprocess
 import sys
 import tempfile
 
-source, program = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2]).resolve()
+source, program = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).resolve()
+# What other tests run (completions, Slurm, schemas), or what shows a page.
+ELSEWHERE = ('envmap-completion.1', 'sbatch', '--slurm', 'jsonschema', 'man /tmp')
 
 
 def commands(page):
@@ -43,21 +46,10 @@ def run(command, folder, wanted=()):
 
 
 def prepare(folder):
-    """The reader's own files."""
-    wrong = ''
-    for command in ('envmap generate sky probe.hdr --size 64', 'envmap convert probe.hdr ball.hdr --to sphere',
-                    'envmap convert probe.hdr golden.exr --to cube', 'envmap convert probe.hdr new.exr --to cube'):
-        wrong += run(command, folder)
-    (folder / 'maps.txt').write_text('mipmap probes/*.hdr {stem}.ktx2 --depth half\n')
-    (folder / 'probes').mkdir()
-    for name in 'ab':
-        shutil.copy(folder / 'probe.hdr', folder / f'probes/{name}.hdr')
-    scenes = folder / 'scenes'
-    subprocess.run([sys.executable, source / 'samples/scenes/make.py', scenes], check=True, stdout=subprocess.DEVNULL)
-    shutil.copy(scenes / 'cellar.glb', folder)
-    shutil.copy(scenes / 'ball.glb', folder / 'model.glb')
-    for scene in scenes.glob('*.glb'):
-        shutil.copy(scene, folder)
+    """The files that the documents name."""
+    wrong = run(f'sh {source}/samples/inputs.sh .', folder)
+    (folder / 'samples').mkdir()
+    shutil.copy(source / 'samples/sample.hdr', folder / 'samples')
     return wrong
 
 
@@ -67,14 +59,11 @@ def recipes(page):
         yield re.sub(r'\\(.)', lambda m: {'e': '\\'}.get(m[1], m[1]), block)
 
 
-def prepare_recipes(folder):
-    (folder / 'probes').mkdir()
-    wrong = ''
-    for command in ('envmap generate sun probe.hdr --size 32 --radius 4 --value 100 --direction 1,2,1', 'envmap generate sky sky.hdr --size 256', 'envmap convert sky.hdr ball.hdr --to sphere --size 512',
-                    'oiiotool ball.hdr --create 1024x720 3 --paste +256+104 -o frame.hdr && rm ball.hdr',
-                    'for k in a b; do envmap convert probe.hdr probes/$k.hdr --size 16; done'):
-        wrong += run(command, folder)
-    return wrong
+def examples(page):
+    """Of a page of a command."""
+    text = page.read_text()
+    for line in re.findall(r'^\.TP\n\\fB(.*)\\fR$', text[text.index('.SH EXAMPLES'):], re.M):
+        yield re.sub(r'\\(.)', lambda m: {'e': '\\'}.get(m[1], m[1]), line)
 
 
 def check_page(page, files):
@@ -87,13 +76,26 @@ def check_page(page, files):
     return check
 
 
-def check_recipes(folder):
-    wrong = prepare_recipes(folder)
-    every = list(recipes(source / 'man/envmap.7'))
-    for recipe in every:
-        alone = re.sub(r'^sh farm.sh .*\n', '', recipe, flags=re.M)  # tests/slurm.py runs that on a cluster.
-        wrong += run('set -e\n' + alone, folder)
-    return wrong, len(every)
+def check_recipes(files):
+    def check(folder):
+        shutil.copytree(files, folder, dirs_exist_ok=True)
+        wrong = ''
+        every = list(recipes(source / 'man/envmap.7'))
+        for recipe in every:
+            alone = re.sub(r'^sh farm.sh .*\n', '', recipe, flags=re.M)  # tests/slurm.py runs that on a cluster.
+            wrong += run('set -e\n' + alone, folder)
+        return wrong, len(every)
+    return check
+
+
+def check_examples(page, files):
+    def check(folder):
+        shutil.copytree(files, folder, dirs_exist_ok=True)
+        every = [example for example in examples(page) if not any(word in page.name + example for word in ELSEWHERE)]
+        # A minute for each measurement would be long.
+        every = [example + ' --budget 2' * example.startswith('envmap tradeoff') for example in every]
+        return ''.join(run(example, folder) for example in every), len(every)
+    return check
 
 
 def main():
@@ -105,12 +107,16 @@ def main():
 
 def check_all(files):
     failed = 0
-    checks = [('recipes of envmap(7)', check_recipes, 7),
-              ('commands of README.md', check_page(source / 'README.md', files), 25)]
+    only = sys.argv[3] if len(sys.argv) > 3 else ''
+    checks = [('recipes of envmap(7)', check_recipes(files), 7),
+              ('commands of README.md', check_page(source / 'README.md', files), 4)]
     for page in sorted((source / 'docs').rglob('*.md')):
         if commands(page):
             checks.append((f'commands of {page.relative_to(source)}', check_page(page, files), 1))
-    for what, check, least in checks:
+    for page in sorted((source / 'man').glob('envmap-*.1')):
+        if page.name not in ELSEWHERE:
+            checks.append((f'examples of {page.name}', check_examples(page, files), 1))
+    for what, check, least in (c for c in checks if only in c[0]):
         with tempfile.TemporaryDirectory() as name:
             wrong, count = check(pathlib.Path(name))
         print(wrong or f'{count} {what}')

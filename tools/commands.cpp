@@ -29,8 +29,11 @@ std::span<const Command> commands() {
 Action define(const Command& command, Options& o, Settings& s) {
   Action action = command.define(o);
   o.group = groups::builds;
-  o.add("--threads", "N", &s.threads, {1, 1024}, "Threads, without effect on the output (default: all cores)")
-      .environment = "ENVMAP_THREADS";
+  if (const bool runs_jobs = o.has("--jobs"); command.reports || command.writes || runs_jobs)
+    o.add("--threads", "N", &s.threads, {1, 1024},
+          runs_jobs ? "Threads of each job, without effect on the output (default: cores / jobs)"
+                    : "Threads, without effect on the output (default: all cores)")
+        .environment = "ENVMAP_THREADS";
   if (command.writes) {
     o.add("--depfile", "FILE", &s.depfile, "Write the dependencies of the output in Make syntax");
     o.flag("--if-changed", s.commit.if_changed, "Keep an output with unchanged content, and its modification time");

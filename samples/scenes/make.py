@@ -6,6 +6,7 @@ room-21-two-sided         the room of 21 vertices with doubleSided materials
 wire-cube                 the edges of a cube
 ball                      a mirror ball ("ball") on a table
 balls                     mirror, glass, metals and plastics on tiles, for a sunny sky
+terrace                   a paved square in the open, with columns, a brick wall and a ball of gold: what sample.hdr shows
 metals                    four balls of white metal: roughness 0.1, 0.3, 0.5, 0.8
 facing                    a candle between two mirrors that face each other
 cellar                    a furnished cellar with two mirrors ("mirror ball", "mirror ring"), glass, lamps and cameras;
@@ -227,6 +228,29 @@ def balls():
     return scene
 
 
+def terrace():
+    """14 x 14 m of flags about the origin, their top at 0; no light of its own."""
+    scene = Scene()
+    floor = scene.material("flags", (0.55, 0.52, 0.48), roughness=0.9)
+    brick = scene.material("bricks", (0.65, 0.3, 0.2), roughness=0.9)
+    stone = scene.material("stone", (0.75, 0.71, 0.62), roughness=0.8)
+    blue = scene.material("blue", (0.15, 0.3, 0.7), roughness=0.4)
+    gold = scene.material("gold", (1.0, 0.77, 0.34), metallic=1.0, roughness=0.2)
+    scene.node("floor", scene.mesh(moved(box(14, 0.2, 14), 0, -0.1, 0), floor))
+    column = scene.mesh(united(moved(box(0.8, 0.2, 0.8), 0, 0.1, 0), lathe([(0.24, 3), (0.3, 0.2)], 32),
+                               moved(box(0.75, 0.2, 0.75), 0, 3.1, 0)), stone)
+    for k in range(5):
+        scene.node(f"column {k + 1}", column, translation=[-4.5, 0, 2.4 * (k - 2)])
+    scene.node("beam", scene.mesh(moved(box(0.75, 0.4, 10.6), -4.5, 3.4, 0), stone))
+    for name, z, depth in (("left", -3, 4), ("right", 3, 4)):
+        scene.node(f"wall {name}", scene.mesh(moved(box(0.5, 2.4, depth), 5, 1.2, z), brick))
+    scene.node("arch", scene.mesh(arch(1, 1.5, 0.6), stone), translation=[5, 2.4, 0], rotation=turn((0, 1, 0), 90))
+    scene.node("plinth", scene.mesh(moved(box(0.9, 1, 0.9), 0.6, 0.5, -3.2), stone))
+    scene.node("ball", scene.mesh(ball(0.6, 64), gold), translation=[0.6, 1.6, -3.2])
+    scene.node("bench", scene.mesh(moved(box(2.6, 0.45, 0.7), 0, 0.225, 4.2), blue))
+    return scene
+
+
 def metals():
     """Four balls of white metal in a row; no light of its own."""
     scene, round_ball = Scene(), ball(1, 96)
@@ -234,6 +258,16 @@ def metals():
         metal = scene.material(f"metal {roughness}", (1, 1, 1), metallic=1.0, roughness=roughness)
         scene.node(f"ball {roughness}", scene.mesh(round_ball, metal), translation=[2.1 * (k - 1.5), 0, 0])
     scene.camera("front", (0, 0, 12), (0, 0, 0), math.radians(10.5))
+    return scene
+
+
+def chrome_ball():
+    """A ball of 20 cm that a camera photographs from 1.5 m, 15 radii away; no light of its own. The ball mirrors the camera."""
+    scene = Scene()
+    chrome = scene.material("chrome", (0.6, 0.6, 0.6), metallic=1.0, roughness=0.0)
+    scene.node("ball", scene.mesh(ball(0.1, 96), chrome))
+    scene.node("camera body", scene.mesh(moved(box(0.16, 0.12, 0.1), 0, 0, 1.58), scene.material("black", (0.01, 0.01, 0.01))))
+    scene.camera("front", (0, 0, 1.5), (0, 0, 0), math.radians(11.5))
     return scene
 
 
@@ -269,7 +303,8 @@ def main():
     os.makedirs(folder, exist_ok=True)
     for name, scene in (("room-2", room(2)), ("room-4", room(4)), ("room-21", room(21)),
                         ("room-21-two-sided", room(21, True)), ("wire-cube", wire_cube()), ("ball", ball_on_a_table()),
-                        ("balls", balls()), ("metals", metals()), ("facing", facing()), ("cellar", cellar())):
+                        ("balls", balls()), ("terrace", terrace()), ("metals", metals()), ("chrome-ball", chrome_ball()),
+                        ("facing", facing()), ("cellar", cellar())):
         scene.save(os.path.join(folder, name + ".glb"))
 
 

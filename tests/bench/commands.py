@@ -7,6 +7,7 @@ PROBE is any map that envmap reads; without one a sky with a sun is generated. N
 envmap, and oiiotool; exrenvmap, maketx, pfstools and ffmpeg are timed where they are installed.
 """
 import argparse
+import datetime
 import json
 import os
 import shlex
@@ -20,6 +21,8 @@ import threading
 import time
 from dataclasses import dataclass, field
 from pathlib import Path
+
+import figures
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -278,6 +281,21 @@ def markdown(result):
             f'ratios mean anything on another machine.\n\n{table(result, False)}\n')
 
 
+def put(root, result):
+    """Replaces the rows of the jobs that docs/figures.json has."""
+    every = figures.load(root)
+    known = every['conversions']
+    for job in result['jobs']:
+        for old in (k for k in known['jobs'] if k['job'] == job['job']):
+            names = {'copies': 'copies', 'memory_ratio': 'memory', 'rms': 'rms', 'max': 'max'}
+            for row in (r for r in old['rows'] for new in job['rows'] if r['tool'] == new['tool'] and 'failure' not in new):
+                measured = next(new for new in job['rows'] if new['tool'] == row['tool'])
+                row.update({name: float(f'{measured[key]:.2g}') for key, name in names.items() if key in measured})
+    m = result['machine']
+    known.update(machine=f"{m['cores']} cores of {m['processor']}", date=str(datetime.date.today()), source=result['source'])
+    figures.save(root, every)
+
+
 # ---- the command line ------------------------------------------------------------------------------------------------
 
 def arguments():
@@ -295,6 +313,7 @@ def arguments():
     parser.add_argument('--folder', help='for inputs and results, about 1 GB (default: a temporary one)')
     parser.add_argument('--json', metavar='FILE', help='every time of every run')
     parser.add_argument('--markdown', metavar='FILE', help='the table without seconds, for documents')
+    parser.add_argument('--figures', metavar='ROOT', help='sources whose docs/figures.json gets the rows; figures.py then fills the pages')
     options = parser.parse_args()
     if options.runs < 1 or options.size < 64 or options.size & (options.size - 1):
         parser.error('--runs is 1 or more, --size a power of two from 64')
@@ -362,6 +381,8 @@ def main():
         Path(o.json).write_text(json.dumps(result, indent=1) + '\n')
     if o.markdown:
         Path(o.markdown).write_text(markdown(result))
+    if o.figures:
+        put(Path(o.figures), result)
     return 1 if any('failure' in row for job in result['jobs'] for row in job['rows']) else 0
 
 

@@ -1,16 +1,18 @@
-"""Writes the table of envmap-cost(7): processor time and peak memory of whole commands, by the size of the source.
+"""Measures the table of envmap-cost(7): processor time and peak memory of whole commands, by the size of the source.
 
-  cost.py ENVMAP PROBE [PAGE] [WORD]   PROBE: a panorama. PAGE: the man page whose rows are replaced (default: only printed).
-                                       WORD: only jobs that contain this word.
+  cost.py ENVMAP PROBE [ROOT] [WORD]   PROBE: a panorama. ROOT: the sources, whose docs/figures.json gets the rows (default: only
+                                       printed); figures.py then fills the pages. WORD: only jobs that contain this word.
 
 Every source is a half-float panorama in EXR. Times are the least of three runs with two threads.
 """
+import datetime
 import os
 import pathlib
-import re
 import subprocess
 import sys
 import tempfile
+
+import figures
 
 SIZES = (512, 2048, 4096)  # Heights.
 # name: words after `envmap`, with IN and OUT.
@@ -41,18 +43,18 @@ def measure(command):
     return best, used.ru_maxrss / 1024
 
 
-def put(page, name, cells):
-    """Replaces the row of a job in the man page."""
-    row = '\t'.join([name, *cells]).replace('-', r'\-')
-    text, found = re.subn(f'^{re.escape(row.split(chr(9))[0])}\t.*$', lambda _: row, page.read_text(), flags=re.M)
-    if found != 1:
-        sys.exit(f'{page}: {found} rows of {name}')
-    page.write_text(text)
+def put(root, name, cells):
+    """Replaces the row of a job in docs/figures.json."""
+    every = figures.load(root)
+    row = next(r for r in every['commands']['rows'] if r['job'] == name)
+    row['cells'] = [{'seconds': float(f'{seconds:.2g}'), 'megabytes': round(memory)} for seconds, memory in cells]
+    every['commands']['date'] = str(datetime.date.today())
+    figures.save(root, every)
 
 
 def main():
     program, probe = (pathlib.Path(word).resolve() for word in sys.argv[1:3])
-    page = pathlib.Path(sys.argv[3]).resolve() if len(sys.argv) > 3 else None
+    root = pathlib.Path(sys.argv[3]).resolve() if len(sys.argv) > 3 else None
     word = sys.argv[4] if len(sys.argv) > 4 else ''
     with tempfile.TemporaryDirectory() as folder:
         os.chdir(folder)
@@ -62,12 +64,11 @@ def main():
             cells = []
             for size in SIZES if word in name else ():
                 command = words.replace('IN', f'in{size}.exr').replace('OUT', f'out{number}-{size}').replace('QUARTER', str(size // 2))
-                seconds, memory = measure([program, *command.split(), '--threads', '2'])
-                cells.append(f'{seconds:.2g} s, {memory:.0f} MB')
+                cells.append(measure([program, *command.split(), '--threads', '2']))
             if cells:
-                print(name, *cells, sep='\t', flush=True)
-                if page:
-                    put(page, name, cells)
+                print(name, *(f'{seconds:.2g} s, {memory:.0f} MB' for seconds, memory in cells), sep='\t', flush=True)
+                if root:
+                    put(root, name, cells)
 
 
 main()

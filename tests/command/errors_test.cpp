@@ -46,6 +46,8 @@ const Refusal refusals[] = {
     {"compare in.exr", {"B"}},
     {"generate sun", {"OUTPUT"}},
     {"manual", {"FOLDER"}},
+    {"manual --schemas", {"FOLDER"}},
+    {"manual . --samples", {"--samples", "neither FOLDER nor"}},
     {"info in.exr --from", {"--from"}},
     {"convert in.exr out.exr --size", {"--size needs a value"}},
     {"convert in.exr out.exr --clamp 100", {"--clamp takes no value: remove '100'"}},

@@ -69,6 +69,21 @@ TEST_F(Help, IsWhatTheRepositorysPagesSay) {
   EXPECT_EQ(kept, made) << "run 'envmap manual man' in the repository";
 }
 
+TEST_F(Help, NamesTheFolderOfTheSample) {
+  std::string folder = envmap({"manual", "--samples"}).out;
+  ASSERT_TRUE(folder.ends_with("\n"));
+  folder.pop_back();
+  EXPECT_TRUE(std::filesystem::path(folder).is_absolute()) << folder;
+  succeeds({"convert", folder + "/sample.hdr", "cube.exr", "--to", "cube", "--size", "16", "--depth", "half"});
+  EXPECT_LT(std::filesystem::file_size(folder + "/sample.hdr"), 300000U);
+  EXPECT_TRUE(std::filesystem::exists(folder + "/scenes/make.py"));
+  // A program that lies alone says where it looked.
+  std::filesystem::copy_file(ENVMAP_PROGRAM, path("alone"));
+  const Result r = shell("./alone manual --samples");
+  EXPECT_EQ(r.status, 3);
+  EXPECT_NE(r.err.find("share/envmap/samples: no sample.hdr there"), std::string::npos) << r.err;
+}
+
 // A terminal made by script(1) sees how far the work is, how fast it goes and how long it will take;
 // a file sees nothing.
 TEST_F(Help, LongWorkTellsATerminalHowLongItTakes) {

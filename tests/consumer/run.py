@@ -36,8 +36,9 @@ run('cmake', '--install', build, '--prefix', tree)
 # What is there, and nothing of the machinery below.
 library = next(tree.glob('lib*/**/libenvmap.so')).parent
 for path in ('bin/envmap', 'share/man/man1/envmap-convert.1', 'share/man/man3/envmap.3',
-             'share/doc/envmap/library.md', 'share/bash-completion/completions/envmap', 'share/zsh/site-functions/_envmap',
-             'share/fish/vendor_completions.d/envmap.fish'):
+             'share/doc/envmap/library.md', 'share/doc/envmap/how-to/troubleshooting.md',
+             'share/envmap/samples/sample.hdr', 'share/envmap/samples/inputs.sh', 'share/envmap/samples/scenes/make.py',
+             'share/bash-completion/completions/envmap', 'share/zsh/site-functions/_envmap', 'share/fish/vendor_completions.d/envmap.fish'):
     demand((tree / path).exists(), f'{path} is not installed')
 demand(os.readlink(library / 'libenvmap.so.1.0') == 'libenvmap.so.1.0.0', 'libenvmap.so.1.0 is no link to its version')
 headers = list((tree / 'include').rglob('*.h'))

@@ -10,7 +10,7 @@ namespace tools {
 namespace {
 
 constexpr std::size_t columns = 100, indent = 24;  // Of the texts beside the options.
-constexpr std::size_t short_groups = 3;            // That -h shows.
+constexpr std::size_t short_groups = 3;            // Of the command's own, that -h shows.
 
 // Words in lines that begin at `indent`. @param left what stands before the first line.
 std::string beside(std::string left, const std::string& text) {
@@ -26,6 +26,15 @@ std::string beside(std::string left, const std::string& text) {
 
 std::string left_of(const Option& o) {
   return (o.letter != 0 ? fmt::format("  -{}, ", o.letter) : "  ") + o.name + (o.type.empty() ? "" : " " + o.type);
+}
+
+// The first of a command's own. What most commands share stays out.
+std::vector<std::string_view> main_groups(const Options& options) {
+  static constexpr std::string_view shared[] = {groups::input_map, groups::colour, groups::builds, groups::reports};
+  std::vector<std::string_view> own = groups_of(options);
+  std::erase_if(own, [](std::string_view group) { return std::ranges::find(shared, group) != std::end(shared); });
+  own.resize(std::min(own.size(), short_groups));
+  return own;
 }
 
 std::string examples(const Text& text, std::size_t most) {
@@ -53,13 +62,13 @@ std::string help_of(const Command& command, const Options& options, bool all) {
     usage += o.required ? " " + name : " [" + name + "]";
     rows += beside("  " + o.name, o.help);
   }
-  const std::vector<std::string_view> groups = groups_of(options);
-  for (std::size_t k = 0; k < (all ? groups.size() : std::min(groups.size(), short_groups)); ++k) {
-    rows += fmt::format("{}:\n", groups[k]);
+  const std::vector<std::string_view> groups = all ? groups_of(options) : main_groups(options);
+  for (const std::string_view group : groups) {
+    rows += fmt::format("{}:\n", group);
     for (const Option& o : options.rows)
-      if (!o.is_argument() && !o.folded && o.group == groups[k]) rows += beside(left_of(o), o.help);
+      if (!o.is_argument() && !o.folded && o.group == group) rows += beside(left_of(o), o.help);
   }
-  const std::string rest = groups.size() > short_groups && !all ? "All options: --help. " : "";
+  const std::string rest = groups.size() < groups_of(options).size() ? "All options: --help. " : "";
   return fmt::format("{}\n{}{}{}More examples, value ranges and background: man envmap-{}\n", usage, rows,
                      examples(text, 2), rest, command.name);
 }
@@ -73,7 +82,7 @@ std::string overview() {
   return all + "Options:\n" + beside("  -h, --help", "Print this help") +
          beside("  --version", "Print the version, the libraries and the renderer") +
          "'envmap COMMAND -h' shows the main options of a command, 'envmap COMMAND --help' all of them.\n"
-         "Manual: man envmap; recipes: man 7 envmap\n";
+         "Manual: man envmap; recipes: man 7 envmap; symptoms: how-to/troubleshooting.md in share/doc/envmap\n";
 }
 
 }  // namespace tools

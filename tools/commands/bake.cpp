@@ -141,7 +141,7 @@ Action define_bake(Options& o) {
       },
       "Accuracy of rough and diffuse light: {} (default: normal)");
   o.add("--max-error", "E", &r->maps.max_error, {1e-6, 10},
-        "Largest error of a texel, rounding included (default: by --quality)");
+        "Limit of errors, file rounding included (default: by --quality, without rounding)");
   add_size(o, &r->maps.size, "Height of the environment map or face (default: same texels per degree)");
   o.add("--chain-size", "N", &r->maps.chain_size, range_of(limits::chain_size),
         "Height of the first level of rough light (default: the engine's)");

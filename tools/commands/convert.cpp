@@ -393,7 +393,9 @@ Action define_convert(Options& o) {
   add_exposure(o, c->exposure);
   add_grade(o, c->grade);
   o["--scale-to"].excludes = "--exposure";
-  add_display(o, c->display, Display::clip);
+  std::string& display = add_display(o, c->display, Display::clip).help;
+  display.replace(display.find("files of "), 9, "");
+  display.replace(display.find("(default"), display.npos, "(default of views: clip)");
   add_output_space(o, c->write);
   o.group = "Photo of a mirror ball (--from sphere) or by a fisheye lens (--from fisheye)";
   add_circle(o, c->photo);

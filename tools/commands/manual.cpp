@@ -6,9 +6,12 @@
 #include <limits>
 #include <map>
 
+#include "cli/console.h"
 #include "cli/help.h"
 #include "cli/text.h"
 #include "command.h"
+#include "envmap/base/error.h"
+#include "envmap/base/own_program.h"
 #include "maps/read_and_write_maps.h"
 
 namespace tools {
@@ -61,7 +64,7 @@ std::string argument_lines(const Options& options, const Text& text) {
 std::string option_lines(const Options& options, const Text& text) {
   std::string out;
   for (const std::string_view group : groups_of(options)) {
-    out += fmt::format(".SS {}\n", group);
+    out += fmt::format(".SS {}\n", roff(std::string(group)));
     for (const Option& o : options.rows)
       if (!o.is_argument() && o.group == group) out += option_lines(o, text);
   }
@@ -140,16 +143,18 @@ constexpr ExitStatus exit_statuses[] = {
      [](const Options& o) { return o.has("--max-error") && !o.has("--orbit"); }},
     {2, "The command line is wrong.", nullptr},
     {3, "An input cannot be read, or is damaged.", reads_files},
-    {4, "An output cannot be written; of batch: a job failed.", nullptr},
+    {4, "An output cannot be written.", nullptr},
     {5, "No renderer was found.", [](const Options& o) { return o.has("--context") || o.has("--task"); }},
 };
 
 // @param options of a command, or null: all statuses.
 std::string statuses(const Options* options) {
+  const bool of_batch = options == nullptr || options->has("--jobs");
   std::string lines = ".SH EXIT STATUS\n";
   for (const ExitStatus& s : exit_statuses)
     if (options == nullptr || s.applies == nullptr || s.applies(*options))
-      lines += fmt::format(".TP\n{}\n{}\n", s.status, roff(std::string(s.what)));
+      lines += fmt::format(".TP\n{}\n{}{}\n", s.status, roff(std::string(s.what)),
+                           s.status == 4 && of_batch ? " Of batch: a job failed." : "");
   return lines;
 }
 
@@ -188,7 +193,10 @@ std::string command_page(const Command& command) {
   const Text text = text_of(command.name);
   std::string synopsis = fmt::format("\\fBenvmap {}\\fR [\\fIOPTIONS\\fR]", command.name), description, examples;
   for (const Option& o : options.rows)
-    if (o.is_argument()) synopsis += " \\fI" + roff(o.name) + "\\fR" + (o.takes_several() ? "..." : "");
+    if (o.is_argument()) {
+      const std::string word = "\\fI" + roff(o.name) + "\\fR" + (o.takes_several() ? "..." : "");
+      synopsis += o.required ? " " + word : " [" + word + "]";
+    }
   for (const std::string& paragraph : text.description) description += paragraph_lines(paragraph);
   for (const Example& e : text.examples) examples += ".TP\n\\fB" + roff(e.command) + "\\fR\n" + roff(e.what) + "\n";
   if (description.starts_with(".PP\n")) description.erase(0, 4);
@@ -228,24 +236,47 @@ std::string topic_page(std::string_view topic) {
   return page + ".SH SEE ALSO\n.BR envmap (1),\n.BR envmap\\-conventions (7)\n";
 }
 
+// The folder of sample.hdr: as installed, or in the sources two folders above a program that was built there.
+std::filesystem::path samples_folder() {
+  const std::filesystem::path program = envmap::own_program().parent_path();
+  std::error_code error;
+  for (const char* place : {ENVMAP_SAMPLES_FROM_PROGRAM, "../../samples"})
+    if (const auto folder = std::filesystem::weakly_canonical(program / place, error);
+        !program.empty() && std::filesystem::exists(folder / "sample.hdr", error))
+      return folder;
+  throw envmap::InputError(program / ENVMAP_SAMPLES_FROM_PROGRAM,
+                           "no sample.hdr there: install envmap anew, or take the folder samples of its sources");
+}
+
+void write_pages(const std::filesystem::path& to) {
+  write_text(to / "envmap.1", main_page());
+  for (const std::string_view topic : topics) write_text(to / fmt::format("envmap-{}.7", topic), topic_page(topic));
+  for (const Command& c : commands()) write_text(to / fmt::format("envmap-{}.1", c.name), command_page(c));
+}
+
+void write_schemas(const std::filesystem::path& to) {
+  for (const Command& c : commands())
+    if (c.reports) write_text(to / fmt::format("{}.json", c.name), schema_of(c.name));
+}
+
 }  // namespace
 
 Action define_manual(Options& o) {
   const auto folder = std::make_shared<std::string>();
-  const auto schemas = std::make_shared<bool>(false);
-  o.add("FOLDER", "", folder.get(), "Folder to write, which must exist").required = true;
+  const auto schemas = std::make_shared<bool>(false), samples = std::make_shared<bool>(false);
+  o.add("FOLDER", "", folder.get(), "Folder to write, which must exist");
   o.group = groups::output_file;
   o.flag("--schemas", *schemas, "Write JSON Schemas of the reports of --json instead of man pages");
-  return [folder, schemas](Report&) {
-    const std::filesystem::path to = *folder;
-    if (!*schemas) write_text(to / "envmap.1", main_page());
-    for (const std::string_view topic : topics)
-      if (!*schemas) write_text(to / fmt::format("envmap-{}.7", topic), topic_page(topic));
-    for (const Command& c : commands())
-      if (!*schemas)
-        write_text(to / fmt::format("envmap-{}.1", c.name), command_page(c));
-      else if (c.reports)
-        write_text(to / fmt::format("{}.json", c.name), schema_of(c.name));
+  o.flag("--samples", *samples, "Print the folder of sample.hdr, the map of the examples");
+  return [folder, schemas, samples](Report&) {
+    if (*samples && (*schemas || !folder->empty()))
+      throw envmap::UsageError("--samples writes nothing: give neither FOLDER nor --schemas");
+    if (*samples)
+      print(samples_folder().string() + "\n");
+    else if (folder->empty())
+      throw envmap::UsageError("FOLDER is required: the folder to write");
+    else
+      *schemas ? write_schemas(*folder) : write_pages(*folder);
     return 0;
   };
 }

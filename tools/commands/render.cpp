@@ -219,10 +219,9 @@ Action define_render(Options& o) {
   add_context(o, r->scene);
   o.add("--method", one_of(r->method, draw_method_names), "{} (default: auto)");
   o.add("--samples", "N", &r->from.samples, {1, 1024}, "Rays per texel (default: 1)");
-  o.add("--bounces", "N", &r->bounces, {0, 64},
-        "Reflections between mirrors (0: of the environment only) (default: 0)");
+  o.add("--bounces", "N", &r->bounces, {0, 64}, "Reflections between mirrors (default: 0, of the environment only)");
   o.add("--lobe-samples", "N", &r->lobe_samples, {0, 65536},
-        "raycast: samples per rough reflection (0: prefiltered levels) (default: 0)");
+        "raycast: samples per rough reflection (default: 0, prefiltered levels)");
   o.add("--epsilon", "Z", &r->from.epsilon, {1e-6, 1},
         "distort, tessellate: move vertices with z < -1 + Z to infinity");
   o.flag("--distance", r->distance, "exact, raycast: write distances to channel Z of the EXR file");

@@ -97,9 +97,9 @@ Action define_sh(Options& o) {
   o.group = "Coefficients";
   o.add("--order", "N", &r->order, range_of(limits::order), "Largest degree l (default: 2); the polar axis is +Y");
   o.flag("--irradiance", r->irradiance, "Print coefficients of the irradiance instead of the radiance");
-  o.add("--window", one_of(r->window, window_names), "Reduce ringing around lights: {} (default: none; bare: hann)")
+  o.add("--window", one_of(r->window, window_names), "Reduce ringing around lights: {} (default: none; no value: hann)")
       .alone = "hann";
-  o.group = groups::output_map;
+  o.group = "Map of --evaluate";
   o.add("--evaluate", "FILE", &r->output, "Write the series as a map, with negative values clamped to 0").file =
       File::output;
   add_projection(o, "--to PROJECTION", r->to, "{} (default: cube)");
@@ -107,7 +107,6 @@ Action define_sh(Options& o) {
   add_layout(o, "--layout", r->write.layout, "Cube faces: {} (default: column)");
   add_faces(o, r->write);
   add_forward(o, "--forward AXIS", r->forward, "Axis at the centre of latlong and angular maps: {} (default: +z)");
-  o.group = groups::output_file;
   add_depth(o, r->write, "float, or nearest");
   add_format(o, r->write);
   add_clamp(o, r->write);

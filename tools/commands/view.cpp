@@ -315,7 +315,7 @@ Action define_view(Options& o) {
   o.add("--reflection", one_of(r->scene.reflection, reflection_names),
         "Reflections of the environment on rough surfaces: {} (default: split-sum)");
   o.add("--lobe-samples", "N", &r->lobe_samples, {0, 65536},
-        "raycast, --max-error: samples per rough reflection (0: prefiltered levels) (default: 0)");
+        "raycast, --max-error: samples per rough reflection (default: 0, prefiltered levels)");
   o.add("--lookup", one_of(r->lookup, mirror_lookup_names), "How maps are looked up: {} (default: distance)");
   o.add("--max-error", "E", &r->max_error, {1e-6, 10},
         "Use the smallest maps whose picture is within rms E of ray casting");

@@ -27,7 +27,7 @@ void add_light(Options& o, SceneOptions& s) {
         "Uniform radiance from all directions, without occlusion (default: 0)");
   o.flag("--no-shadows", s.no_shadows, "Draw point, spot and directional lights without shadows");
   o.add("--occlusion", "N", &s.occlusion, {0, max_distant_lights},
-        "Lights that approximate the environment's shadows (0: none) (default: 64)")
+        "Lights that approximate the environment's shadows, 0 for none (default: 64)")
       .needs = "--environment";
 }
 

@@ -11,6 +11,7 @@
 #include "commands/batch/manifest.h"
 #include "commands/batch/schedule.h"
 #include "envmap/base/error.h"
+#include "envmap/base/own_program.h"
 #include "maps/read_and_write_maps.h"
 
 namespace tools {
@@ -26,7 +27,11 @@ struct Request {
   bool keep_going = false;
 };
 
-std::string this_program() { return fs::read_symlink("/proc/self/exe").string(); }
+std::string this_program() {
+  const fs::path program = own_program();
+  if (program.empty()) throw InputError("/proc/self/exe", "the system does not tell where envmap lies: mount /proc");
+  return program.string();
+}
 
 bool is_installed(const std::string& program) {
   const char* const path = std::getenv("PATH");

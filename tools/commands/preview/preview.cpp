@@ -139,7 +139,7 @@ void add_studies(std::vector<TileRow>& rows, const Source& source, const std::st
   const double white = 1 / look.scale;
   rows.push_back(
       {{histogram(Luminances(source.map.base()), white, {width, o.height / 2}),
-        fmt::format("{}stops of luminance. Grey: share of the sphere, orange: of the light, line: white ({:.3g})",
+        fmt::format("{}stops of luminance. Grey: share of the sphere, orange: of light, line: shown white ({:.3g})",
                     before, white)}});
 }
 

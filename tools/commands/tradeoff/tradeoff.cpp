@@ -267,7 +267,7 @@ Action define_tradeoff(Options& o) {
   o.group = "Measurement";
   o.add("--task", "TASK", &r->task, "What to measure: " + task_words());
   o.add("--by", one_of(r->by, metric_names), "Error metric of the stars and the plot: {} (default: rms)");
-  o.add("--only", "WORDS", &r->only, "Measure only rows of the table that contain WORDS");
+  o.add("--only", "TEXT", &r->only, "Measure only rows of the table that contain TEXT, such as bilinear");
   o.add("--budget", "SECONDS", &r->budget, {0, 1e6}, "Time limit of all rows, without the reference (default: 60)");
   o.group = "Output";
   o.add("--plot", "FILE", &r->plot, "Plot time or size against error, as .svg ('-' for stdout) or .png").file =

@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "envmap/base/error.h"
+#include "envmap/base/own_program.h"
 
 namespace envmap {
 namespace {
@@ -21,7 +22,7 @@ fs::path own_folder() {
 // Not by the program's run path: that of a sanitizer's dlopen() is its own.
 const Formats& load() {
   std::error_code error;
-  const fs::path program = fs::read_symlink("/proc/self/exe", error).parent_path(), library = own_folder();
+  const fs::path program = own_program().parent_path(), library = own_folder();
   const fs::path name = "envmap-formats.so";
   fs::path place = name;
   for (const fs::path& folder :
