@@ -59,7 +59,10 @@ void add_conversions(const EnvironmentMap& map, const ConvertOptions& options, T
 // ---- prefilter ------------------------------------------------------------------------------------------------------
 
 Outcome prefiltered(const EnvironmentMap& map, const Prefilter& wanted) {
-  return whole(std::move(PrefilterSource(map).make(wanted).map.base()));
+  Prefiltered done = PrefilterSource(map).make(wanted);
+  Outcome out = whole(std::move(done.map.base()));
+  out.steps = std::move(done.work);
+  return out;
 }
 
 void add_prefilters(const EnvironmentMap& map, const Prefilter& wanted, Task& task) {

@@ -12,6 +12,7 @@
 #include "envmap/io/read.h"
 #include "envmap/map/environment_map.h"
 #include "envmap/operate/measure.h"
+#include "envmap/prefilter/prefilter.h"
 
 namespace tools {
 
@@ -21,6 +22,7 @@ struct Outcome {
   std::optional<std::int64_t> bytes = {};
   std::vector<std::shared_ptr<const envmap::ScratchFile>> files = {};
   double missing_solid_angle = 0;  // Drawn::missing_solid_angle.
+  std::vector<envmap::StepCount> steps = {};  // Of a prefilter.
 };
 
 // A method with its parameters, from a map in memory to a result.

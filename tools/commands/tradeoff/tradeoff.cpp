@@ -43,6 +43,7 @@ struct Trial {
   Difference error;
   std::optional<std::int64_t> bytes;
   double missing_solid_angle = 0;  // Steradians.
+  std::vector<StepCount> steps = {};
   bool front = false;
 
   [[nodiscard]] double cost() const { return bytes ? double(*bytes) : seconds; }
@@ -74,7 +75,8 @@ Trial measured(const Way& way, double seconds, double rest, Outcome& out) {
   if (times.size() > 1) times.erase(times.begin());
   std::ranges::sort(times);
   const double median = times[times.size() / 2], off = std::max(median - times.front(), times.back() - median);
-  return {way.method, way.setting, median, off / median, int(times.size()), {}, out.bytes, out.missing_solid_angle};
+  return {way.method, way.setting, median, off / median, int(times.size()), {}, out.bytes, out.missing_solid_angle,
+          out.steps};
 }
 
 // By cost, and at the same cost by error: then what is closer than all before it is beaten by none. NaN never is. A map
@@ -168,6 +170,12 @@ void add(Report& report, const Study& study, const Request& o) {
     report.put("trials[].flux", t.error.largest_flux());
     report.put("trials[].front", t.front);
     report.put("trials[].missing_solid_angle", t.missing_solid_angle);
+    report.put_array("trials[].steps");
+    for (const StepCount& s : t.steps) {
+      report.append("trials[].steps[]");
+      report.put("trials[].steps[].step", s.step);
+      report.put("trials[].steps[].count", s.count);
+    }
   }
   report.put("left_out", study.left_out);
 }
