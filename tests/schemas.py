@@ -176,6 +176,8 @@ def main():
     pathlib.Path('plate.obj').write_text('o plate\nv -1 -1 -1\nv 1 -1 -1\nv 0 1 -1\nf 1 2 3\n')
     tell('info', 'plate.obj')
     tell('render', 'plate.obj', 'drawn.exr', '--size', '8', '--to', 'sphere', '--method', 'distort', '--ambient', '1')
+    tell('render', 'plate.obj', '{index}.exr', '--size', '8', '--method', 'raycast', '--ambient', '1', '--at', '0,0,0', '--at', '0,0,1')
+    tell('render', 'plate.obj', 'grid.json', '--grid', '2,2,1', '--grid-high', '1,1,1', '--size', '8', '--ambient', '1')
     tell('view', 'plate.obj', 'seen.png', '--width', '16', '--height', '16', '--ambient', '1', '--method', 'raycast')
     tell('bake', '--list')
     tell('bake', 'latlong.exr', 'folder', '--for', 'gltf', '--chain-size', '16', '--max-error', '0.1')

@@ -2,7 +2,7 @@
 // columns of a height field, and mirrors and lenses are looked up in dynamic maps.
 #pragma once
 
-#include "envmap/scenes/scene/scene.h"
+#include "envmap/scenes/scene/scene_graph.h"
 #include "height_field.h"
 
 namespace water {
@@ -21,7 +21,7 @@ struct Basin {
 
 /// The basin, what stands round it, and the water.
 struct Pool {
-  envmap::Scene scene;
+  envmap::SceneGraph scene;
   int water = 0, floor = 0;  ///< Meshes that change.
   int water_node = 0;
 };

@@ -33,4 +33,5 @@
 #include "envmap/prefilter/harmonics.h"
 #include "envmap/prefilter/harmonics_window.h"
 #include "envmap/prefilter/prefilter.h"
+#include "envmap/prefilter/shader_sh.h"
 #include "envmap/projection/matching_size.h"

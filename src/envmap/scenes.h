@@ -4,5 +4,8 @@
 #pragma once
 
 #include "envmap/envmap.h"
+#include "envmap/scenes/irradiance_grid.h"
+#include "envmap/scenes/light.h"
 #include "envmap/scenes/render_map.h"
+#include "envmap/scenes/scene.h"
 #include "envmap/scenes/view.h"

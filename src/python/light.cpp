@@ -16,29 +16,28 @@ using Directions = py::array_t<double, py::array::c_style>;
 using FloatDirections = py::array_t<float, py::array::c_style>;
 using Values = py::array_t<double, py::array::c_style>;
 
-// As `envmap sh --window`: what is left of each degree, so that bright lights ring less.
-enum class Window { none, hann, automatic };
-constexpr std::string_view window_words[] = {"none", "hann", "auto"};
-void apply(Window window, Harmonics& h) {
-  if (window == Window::hann) scale_degrees(h, hann_window(h.order));
-  if (window == Window::automatic) scale_degrees(h, laplacian_window(h.order, weakest_window(h).lambda));
-}
-
-py::array_t<double> rows_of(const std::vector<Flux>& values) {
+py::array_t<double> rows_of(std::span<const Flux> values) {
   static_assert(sizeof(Flux) == 3 * sizeof(double));
   return py::array_t<double>({py::ssize_t(values.size()), py::ssize_t{3}}, values.empty() ? nullptr : &values[0].x);
 }
 
 py::array_t<double> sh(const Map& map, int order, bool irradiance, const std::string& window,
                        const py::object& progress) {
-  const auto kind = named<Window>("window", window, window_words);
+  const auto kind = named<ShWindow>("window", window, sh_window_names);
   const Harmonics h = run_operation(progress, [=](const Run& run) {
     Harmonics found = project(*map, order, run);
-    apply(kind, found);
+    apply_window(found, kind, {.stop = run.stop});
     if (irradiance) scale_degrees(found, irradiance_factors(order));
     return found;
   });
   return rows_of(h.coefficients);
+}
+
+py::array_t<double> nine_colours(const Map& map, const std::string& basis, const std::string& window,
+                                 const py::object& progress) {
+  const auto wanted = named<ShBasis>("basis", basis, sh_basis_names);
+  const auto kind = named<ShWindow>("window", window, sh_window_names);
+  return rows_of(run_operation(progress, [=](const Run& run) { return shader_sh(*map, wanted, kind, run); }));
 }
 
 py::array_t<float> table_of(const std::string& lobe, int size, const py::object& progress) {
@@ -113,6 +112,7 @@ void add_light(py::module_& m) {
       .def("floats", &lookup<float>)
       .def("doubles", &lookup<double>);
   m.def("sh", &sh);
+  m.def("shader_sh", &nine_colours);
   m.def("brdf_table", &table_of);
   m.def("irradiance", &irradiance_at);
 }

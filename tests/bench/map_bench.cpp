@@ -72,8 +72,8 @@ Mesh box() {
 }
 
 // A room of 12 triangles, and in it up to 24 tori, evenly round the middle on a spiral: about so many triangles in all.
-Scene hall(int wanted) {
-  Scene scene;
+SceneGraph hall(int wanted) {
+  SceneGraph scene;
   scene.materials = {{.base_colour = {0.8, 0.7, 0.6, 1}}, {.base_colour = {0.3, 0.5, 0.8, 1}}};
   const int tori = std::clamp((wanted - 12) / 40, 4, 24);
   const double quads = 0.5 * (wanted - 12) / tori;
@@ -168,7 +168,7 @@ void measure(Case& c, Renderer& renderer, const FrameState& shot, double tree) {
                     }));
 }
 
-void run(const Scene& scene, int largest, int rounds) {
+void run(const SceneGraph& scene, int largest, int rounds) {
   const FrameState shot{.scene = scene, .pose = pose(scene, 0), .ambient = Colour(1)};
   std::optional<Renderer> renderer;
   const double upload = seconds([&] { renderer.emplace(scene, nullptr), glFinish(); });

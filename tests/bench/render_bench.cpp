@@ -26,7 +26,7 @@ Drawn once(Renderer& renderer, const Viewpoint& from, const FrameState& shot, Dr
 
 void measure(benchmark::State& state, DrawMethod method, Projection to) {
   static Context context(ContextKind::osmesa);
-  const Scene scene = rooms::room(int(state.range(0)));
+  const SceneGraph scene = rooms::room(int(state.range(0)));
   Renderer renderer(scene, nullptr);
   const FrameState shot{scene, pose(scene, 0)};
   const Viewpoint from{.to = to, .size = int(state.range(1)), .at = {0.1, -0.2, 0.15}, .axes = rotation(20, 30, 40)};
@@ -44,8 +44,8 @@ void measure(benchmark::State& state, DrawMethod method, Projection to) {
 }
 
 // Balls of 24 rings in rows of four before the camera.
-Scene hall(int mirrors) {
-  Scene scene = rooms::room(21);
+SceneGraph hall(int mirrors) {
+  SceneGraph scene = rooms::room(21);
   scene.materials.push_back({.metallic = 1, .roughness = 0});
   scene.meshes.push_back(rooms::ball(24, 0.1));
   scene.meshes.back().material = int(scene.materials.size()) - 1;
@@ -58,7 +58,7 @@ Scene hall(int mirrors) {
 
 void measure_view(benchmark::State& state, Projection to) {
   static Context context(ContextKind::osmesa);
-  const Scene scene = hall(int(state.range(0)));
+  const SceneGraph scene = hall(int(state.range(0)));
   const std::vector<Mirror> found = find_mirrors(scene, to);
   std::vector<int> nodes;
   for (const Mirror& mirror : found) nodes.push_back(mirror.node);

@@ -86,6 +86,22 @@ TEST_F(Batch, CountsTheJobsThatItSkips) {
   EXPECT_NE(envmap({"batch", "one.txt"}).err.find("envmap batch: the job failed\n"), std::string::npos);
 }
 
+TEST_F(Batch, KnowsTheFilesOfSeveralPlaces) {
+  write("scene.obj", "v -1 -1 -1\nv 1 -1 -1\nv 0 1 -1\nf 1 2 3\n");
+  write("maps.txt",
+        "render scene.obj {at}.exr --at 0,0,0 --at 0,0,1 --size 4 --method raycast --ambient 1\n"
+        "convert 0,0,1.exr second.hdr --size 4\n"
+        "mipmap 0,0,0.exr chain.exr\n");
+  succeeds({"batch", "-q", "maps.txt"});
+  EXPECT_FALSE(read("second.hdr").empty());
+  EXPECT_EQ(envmap({"batch", "maps.txt"}).err, "envmap batch: nothing to do\n");
+  fs::remove(path("0,0,1.exr"));
+  succeeds({"batch", "-q", "maps.txt"});
+  EXPECT_FALSE(read("0,0,1.exr").empty());
+  write("maps.txt", "render scene.obj out.exr --at 0,0,0 --at 0,0,1\n");
+  fails(2, {"batch", "maps.txt"}, {"line 1", "must contain {at} or {index}"});
+}
+
 TEST_F(Batch, OfJsonTakesNumbersAsWords) {
   write("maps.json", R"([["convert", "a.hdr", "n.exr", "--size", 8, "--exposure", -1.5, "--max-error", 1e-2]])");
   succeeds({"batch", "-q", "maps.json"});

@@ -21,6 +21,57 @@ TEST_F(Render, AFileAFrame) {
   EXPECT_EQ(names(), (std::vector<std::string>{"m_0009.exr", "m_0010.exr", "n_09.exr", "n_10.exr", "scene.obj"}));
 }
 
+// One run draws what three do.
+TEST_F(Render, AFileAPlace) {
+  const std::vector<std::string> cast{"-q", "--method", "raycast", "--ambient", "1", "--size", "8"};
+  const auto render = [&](std::vector<std::string> words) {
+    words.insert(words.begin(), "render");
+    words.insert(words.end(), cast.begin(), cast.end());
+    return words;
+  };
+  const std::vector<std::string> places{"0,0,0", "0.1,0.2,0", "-0.2,0,0.1"};
+  std::vector<std::string> all{"scene.obj", "{at}_{index}.exr"};
+  for (const std::string& place : places) all.push_back("--at=" + place);
+  succeeds(render(all));
+  for (std::size_t k = 0; k < places.size(); ++k) {
+    succeeds(render({"scene.obj", "alone.exr", "--at=" + places[k]}));
+    EXPECT_EQ(read("alone.exr"), read(places[k] + "_" + std::to_string(k) + ".exr")) << places[k];
+  }
+  fails(2, render({"scene.obj", "a.exr", "--at", "0,0,0", "--at", "1,0,0"}), {"must contain {at} or {index}"});
+  fails(2, render({"scene.obj", "{at}.exr", "--at", "0,0,0", "--at", "0,0,0"}), {"two places have this name"});
+  fails(2, render({"scene.obj", "{at}.exr"}), {"go with --at"});
+  fails(2, render({"scene.obj", "{index}.exr", "--at", "0,0,0", "--at", "nobody"}), {"'nobody' is neither a node"});
+  const std::vector<std::string> left = names();
+  EXPECT_EQ(std::ranges::find(left, "0.exr"), left.end());
+}
+
+TEST_F(Render, PlacesAndFramesTogether) {
+  succeeds({"render", "scene.obj", "m_{index}_{frame}.exr", "-q", "--size", "8", "--method", "raycast", "--frames",
+            "1:2", "--at", "0,0,0", "--at", "0,0.1,0"});
+  EXPECT_EQ(names(),
+            (std::vector<std::string>{"m_0_0001.exr", "m_0_0002.exr", "m_1_0001.exr", "m_1_0002.exr", "scene.obj"}));
+}
+
+TEST_F(Render, GridsOfLight) {
+  const Result run =
+      envmap({"render", "scene.obj", "grid.json", "--ambient", "1", "--grid", "2,3,1", "--size", "8", "--json"});
+  ASSERT_EQ(run.status, 0) << run.err;
+  const nlohmann::json report = nlohmann::json::parse(run.out), grid = nlohmann::json::parse(read("grid.json"));
+  EXPECT_EQ(grid["cells"], (nlohmann::json{2, 3, 1}));
+  EXPECT_EQ(grid["coefficients"].size(), 6U);
+  EXPECT_EQ(report["grid"]["error"]["rms"], grid["error"]["rms"]);
+  EXPECT_NE(run.err.find("error against rays at "), std::string::npos) << run.err;
+  succeeds({"render", "scene.obj", "grid.ktx2", "-q", "--ambient", "1", "--grid", "2,3,1", "--size", "8"});
+  EXPECT_EQ(read("grid.ktx2").substr(1, 6), "KTX 20");
+  fails(2, {"render", "scene.obj", "grid.exr", "--grid", "2,3,1"}, {".json"});
+  fails(2, {"render", "scene.obj", "grid.json", "--grid", "2,3"}, {"--grid", "three whole numbers"});
+  fails(2, {"render", "scene.obj", "grid.json", "--grid", "2,3,0"}, {"--grid", "three whole numbers"});
+  fails(2, {"render", "scene.obj", "grid.json", "--grid", "2,3,1", "--to", "cube"}, {"--to", "--grid"});
+  fails(2, {"render", "scene.obj", "grid.json", "--grid", "2,3,1", "--at", "0,0,0"}, {"--at", "--grid"});
+  fails(2, {"render", "scene.obj", "grid.json", "--grid", "2,3,1", "--grid-low", "5,0,0"}, {"no extent along x"});
+  fails(2, {"render", "scene.obj", "map.exr", "--grid-low", "5,0,0"}, {"--grid"});
+}
+
 // A map turned to +X is the map of the world, turned.
 TEST_F(Render, MapsLookWhereTheyAreToldTo) {
   const std::vector<std::string> cast{"-q",     "--method", "raycast", "--ambient", "1",

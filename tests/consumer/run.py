@@ -55,7 +55,7 @@ strays = [n for n in names if not re.search(r'\benvmap::', n) and not re.match(r
 demand(not strays, f'exported besides envmap: {strays[:5]}')
 
 shown = [line for line in run('nm', '-DC', '--defined-only', library / 'libenvmap-scenes.so').splitlines() if ' T ' in line]
-demand(all(re.search(r'envmap::(render|view)\(', line) for line in shown), f'libenvmap-scenes.so exports {shown}')
+demand(all(re.search(r'envmap::((render|view|irradiance_grid|ambient_cubes|write_grid|check_grid_file)\(|(Scene|Light|IrradianceGrid)::)', line) for line in shown), f'libenvmap-scenes.so exports {shown}')
 
 # The example, word for word as the page has it.
 page = (tree / 'share/man/man3/envmap.3').read_text()
@@ -63,7 +63,7 @@ example = re.search(r'^\.EX\n(.*?)^\.EE$', page, re.S | re.M)[1].replace('\\e', 
 (work / 'example.cpp').write_text(example)
 # Those of docs/library.md, each the body of a function of one program.
 bodies = re.findall(r'^```cpp\n(.*?)^```$', (source / 'docs/library.md').read_text(), re.S | re.M)
-demand(len(bodies) == 13, f'docs/library.md has {len(bodies)} examples')
+demand(len(bodies) == 16, f'docs/library.md has {len(bodies)} examples')
 includes = ('envmap/scenes.h', 'algorithm', 'cmath', 'filesystem', 'stop_token', 'string', 'thread', 'type_traits', 'vector')
 (work / 'pages.cpp').write_text(
     ''.join(f'#include <{name}>\n' for name in includes) + 'using namespace envmap;\n' +

@@ -30,7 +30,7 @@ Drawn drawn(const FrameState& shot, const Viewpoint& from, bool by_rays) {
 
 // The room of rooms.h scaled and moved, drawn from a point that lies in it as `at` lies in the room.
 Drawn drawn(double scale, const Direction& offset, const Direction& at, Projection to, bool by_rays) {
-  Scene scene = rooms::room(3);
+  SceneGraph scene = rooms::room(3);
   for (Node& node : scene.nodes) node.local = glm::scale(glm::translate(Matrix(1), offset), Direction(scale));
   const Viewpoint from{.to = to, .size = 48, .at = offset + scale * at, .near = 0.01 * scale, .far = 100 * scale};
   Drawn map = drawn({.scene = scene, .pose = pose(scene, 0)}, from, by_rays);
@@ -82,7 +82,7 @@ TEST(SceneSuns, OfTheLargestFloat) {
   const Environment sky(std::move(map));
   for (const auto& [metallic, roughness] : {std::pair{1.F, 0.F}, {1.F, 0.3F}, {0.F, 1.F}}) {
     SCOPED_TRACE(::testing::Message() << "metallic " << metallic << ", roughness " << roughness);
-    Scene scene;
+    SceneGraph scene;
     scene.materials = {{.metallic = metallic, .roughness = roughness}};
     scene.meshes = {rooms::ball(16)};
     scene.nodes = {{.name = "ball", .meshes = {0}}};

@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "envmap/scenes/scene/scene.h"
+#include "envmap/scenes/scene/scene_graph.h"
 #include "targets.h"
 
 /// As a file where the process runs. The first byte tells GLB and glTF from OBJ; with 'n', as in newmtl, they are the
@@ -13,7 +13,7 @@
 std::string write_scene(Bytes bytes);
 
 /// Ends the process where an index leads nowhere.
-inline void expect_sound(const envmap::Scene& scene) {
+inline void expect_sound(const envmap::SceneGraph& scene) {
   for (const envmap::Node& node : scene.nodes)
     for (const int mesh : node.meshes)
       if (mesh < 0 || mesh >= int(scene.meshes.size())) std::abort();

@@ -464,8 +464,14 @@ def test_shader_harmonics_are_irradiance():
 
     def filament(c, n):  # Irradiance_SphericalHarmonics() of Filament, shaders/src/surface_light_indirect.fs.
         return np.pi * polynomial(n) @ c
+
+    def godot(c, n):  # Light probes in scene_forward_clustered.glsl: irradiance / pi.
+        x, y, z = n
+        c0, c1, c2, c3, c4 = 0.886227, 1.023327, 0.858086, 0.247708, 0.429043
+        return np.pi * (c0 * c[0] + c1 * (c[1] * y + c[2] * z + c[3] * x) + c2 * (c[4] * x * y + c[5] * y * z + c[7] * x * z)
+                        + c3 * c[6] * (3 * z * z - 1) + c4 * c[8] * (x * x - y * y))
     normals = np.random.default_rng(3).normal(size=(20, 3))
-    for basis, evaluate in (('three', three), ('ramamoorthi', ramamoorthi), ('filament', filament)):
+    for basis, evaluate in (('three', three), ('ramamoorthi', ramamoorthi), ('filament', filament), ('godot', godot)):
         c = envmap.shader_sh(light, basis, window='none')
         assert c.shape == (9, 3)
         for n in normals / np.linalg.norm(normals, axis=1)[:, None]:
@@ -478,7 +484,7 @@ def test_shader_harmonics_are_those_that_bake_writes(tmp_path):
     text = (tmp_path / 'f' / 'irradiance.txt').read_text()
     written = np.array([float(x) for x in re.findall(r'-?\d+\.?\d*(?:e[-+]\d+)?', text)][:27]).reshape(9, 3)
     np.testing.assert_allclose(envmap.shader_sh(sun, 'filament'), written, rtol=1e-5, atol=1e-6)
-    with pytest.raises(envmap.UsageError, match='none of three, filament, ramamoorthi'):
+    with pytest.raises(envmap.UsageError, match='three, ramamoorthi, filament'):
         envmap.shader_sh(sun, 'cmgen')
 
 

@@ -36,8 +36,8 @@ Material shining(const Card& card) {
           .double_sided = true};
 }
 
-Scene stack() {
-  Scene scene;
+SceneGraph stack() {
+  SceneGraph scene;
   for (const Card& card : cards) {
     const Direction across = glm::normalize(glm::cross(card.normal, Direction(0.3, 0.8, 0.1)));
     Matrix local(1);
@@ -71,7 +71,7 @@ Viewpoint camera(int samples) {
 
 // But beside the lines where cards pass through each other.
 TEST(Blended, PicturesAreTheSumOfLayers) {
-  const Scene scene = stack();
+  const SceneGraph scene = stack();
   const FrameState shot{.scene = scene, .pose = pose(scene, 0)};
   drawing::context();
   Renderer renderer(scene, nullptr);
@@ -93,7 +93,7 @@ TEST(Blended, PicturesAreTheSumOfLayers) {
 }
 
 TEST(Blended, MapsAreTheSumOfLayersByAllMethods) {
-  const Scene scene = stack();
+  const SceneGraph scene = stack();
   const FrameState shot{.scene = scene, .pose = pose(scene, 0)};
   drawing::context();
   Renderer renderer(scene, nullptr);
@@ -120,7 +120,7 @@ TEST(Blended, WhiteInWhiteIsNotSeen) {
     for (int face = 0; face < 6; ++face) *map.base().texel(face, 0, 0) = Colour(1);
     return map;
   }());
-  Scene scene;
+  SceneGraph scene;
   small_scenes::add(scene, rooms::ball(24, 1),
                     {.base_colour = {1, 1, 1, 0.5F}, .roughness = 0.6F, .blended = true, .double_sided = true});
   const FrameState shot{.scene = scene, .pose = pose(scene, 0), .environment = &white};
@@ -133,7 +133,7 @@ TEST(Blended, WhiteInWhiteIsNotSeen) {
 // Light passes or it does not: what covers more than half casts a shadow.
 TEST(Blended, CardsCastShadowsWhereTheyCoverHalf) {
   for (const float alpha : {0.4F, 0.6F}) {
-    Scene scene;
+    SceneGraph scene;
     small_scenes::add(scene, small_scenes::square(2), small_scenes::plaster);
     Material card{.base_colour = {1, 1, 1, alpha}, .alpha_cutoff = 0.5F, .blended = true, .double_sided = true};
     small_scenes::add(scene, small_scenes::square(0.4F), card, glm::translate(Matrix(1), Direction(0.6, 1, 0)));

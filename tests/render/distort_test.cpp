@@ -18,7 +18,7 @@ using namespace envmap;
 
 enum class Sides { one, two, both_windings };
 
-Scene with(Scene scene, Sides sides) {
+SceneGraph with(SceneGraph scene, Sides sides) {
   for (Material& m : scene.materials) m.double_sided = sides == Sides::two;
   if (sides == Sides::both_windings)
     for (Mesh& mesh : scene.meshes) {
@@ -30,8 +30,8 @@ Scene with(Scene scene, Sides sides) {
 }
 
 // A square of 2 x `half` that faces the origin from `at`, `edge` vertices along each side.
-Scene plate(const Direction& at, double half, int edge) {
-  Scene scene;
+SceneGraph plate(const Direction& at, double half, int edge) {
+  SceneGraph scene;
   scene.materials.push_back({.base_colour = {0, 0, 0, 1}, .emissive = Colour(1, 0.5F, 0.25F), .double_sided = false});
   scene.nodes.push_back({.name = "plate", .meshes = {0}});
   Mesh mesh;
@@ -60,7 +60,7 @@ struct Judged {
 };
 
 // Against rays, which know no sides of maps.
-Judged judged(const Scene& scene, const Viewpoint& from, DrawMethod method) {
+Judged judged(const SceneGraph& scene, const Viewpoint& from, DrawMethod method) {
   drawing::context();
   Renderer renderer(scene, nullptr);
   const FrameState shot{scene, pose(scene, 0)};
@@ -68,12 +68,12 @@ Judged judged(const Scene& scene, const Viewpoint& from, DrawMethod method) {
   return {compare(map.radiance.base(), truth.radiance.base()).rms, map.missing_solid_angle};
 }
 
-double missing(const Scene& scene, const Viewpoint& from, DrawMethod method) {
+double missing(const SceneGraph& scene, const Viewpoint& from, DrawMethod method) {
   return judged(scene, from, method).missing;
 }
 
 // The mean over all directions of what a map shows, in the first channel.
-double mean(const Scene& scene, const Viewpoint& from, DrawMethod method) {
+double mean(const SceneGraph& scene, const Viewpoint& from, DrawMethod method) {
   drawing::context();
   Renderer renderer(scene, nullptr);
   return flux(draw(renderer, from, {scene, pose(scene, 0)}, method).radiance.base()).x / (4 * pi);
@@ -120,7 +120,7 @@ TEST_P(Distort, PlatesInAnyDirectionPaintNoOther) {
   for (const auto& [where, at, half] : plates)
     for (const int edge : {2, 16}) {
       const Viewpoint from{.to = to(), .size = 128};
-      const Scene scene = plate(at, half, edge);
+      const SceneGraph scene = plate(at, half, edge);
       const double one = judged(with(scene, Sides::one), from, method()).rms;
       const Judged two = judged(with(scene, Sides::two), from, method());
       const double truth = mean(with(scene, Sides::two), from, DrawMethod::exact);
@@ -137,7 +137,7 @@ TEST_P(Distort, PlatesInAnyDirectionPaintNoOther) {
 
 TEST_P(Distort, NearAndFarCutAway) {
   Viewpoint from{.to = to(), .size = 128, .near = 0.01, .far = 1.2};
-  const Scene room = with(rooms::room(16), Sides::two);
+  const SceneGraph room = with(rooms::room(16), Sides::two);
   // Of a cube of 2 m, what is nearer than 1.2 m: caps of its walls.
   EXPECT_NEAR(mean(room, from, method()), mean(room, from, DrawMethod::exact), 0.02);
   from.near = 1.2, from.far = 10;
@@ -147,14 +147,14 @@ TEST_P(Distort, NearAndFarCutAway) {
 // Outside faces of a box behind the eye are no one's inside, and must not come round its back.
 TEST_P(Distort, BacksAreNotPainted) {
   const Viewpoint from{.to = to(), .size = 128};
-  Scene scene = plate({0.02, 0.03, -1}, 0.6, 2);
+  SceneGraph scene = plate({0.02, 0.03, -1}, 0.6, 2);
   for (Mesh& mesh : scene.meshes)
     for (std::size_t k = 0; k < mesh.indices.size(); k += 3) std::swap(mesh.indices[k], mesh.indices[k + 1]);
   EXPECT_EQ(mean(with(scene, Sides::one), from, method()), 0);
 }
 
 TEST_P(Distort, ObjectFilesHaveTwoSides) {
-  const Scene room = rooms::room(9);
+  const SceneGraph room = rooms::room(9);
   std::string text;
   std::size_t first = 1;
   for (const Mesh& mesh : room.meshes) {
@@ -166,7 +166,7 @@ TEST_P(Distort, ObjectFilesHaveTwoSides) {
   }
   const std::string path = ::testing::TempDir() + fmt::format("two-sided-{}.obj", ::getpid());
   std::ofstream(path) << text;
-  const Scene read = read_scene(path);
+  const SceneGraph read = read_scene(path);
   std::filesystem::remove(path);
   drawing::context();
   const Viewpoint from = inside(to());
@@ -177,7 +177,7 @@ TEST_P(Distort, ObjectFilesHaveTwoSides) {
 }
 
 TEST_P(Distort, NothingIsDrawnBeyondTheRim) {
-  const Scene room = with(rooms::room(4), Sides::two);
+  const SceneGraph room = with(rooms::room(4), Sides::two);
   drawing::context();
   Renderer renderer(room, nullptr);
   const Viewpoint from = inside(to());
@@ -192,8 +192,8 @@ TEST_P(Distort, NothingIsDrawnBeyondTheRim) {
 
 TEST(DistortMissing, IsTheSolidAngleRoundTheSingularity) {
   const Viewpoint sphere{.to = Projection::sphere, .size = 128}, halves{.to = Projection::paraboloid, .size = 128};
-  const Scene behind = with(plate({0.02, 0.03, -1}, 0.6, 2), Sides::two),
-              before = with(plate({0, 0, 1}, 0.6, 2), Sides::two);
+  const SceneGraph behind = with(plate({0.02, 0.03, -1}, 0.6, 2), Sides::two),
+                   before = with(plate({0, 0, 1}, 0.6, 2), Sides::two);
   // Two triangles; all of their solid angle, that of a square of 1.2 m seen from 1 m, but for the tilt.
   const double square = 4 * std::atan(0.36 / std::sqrt(1 + 2 * 0.36));
   EXPECT_NEAR(missing(behind, sphere, DrawMethod::distort), square, 0.02);

@@ -17,7 +17,7 @@ namespace {
 using namespace envmap;
 using drawing::context;
 
-Drawn drawn(const Scene& scene, const Viewpoint& from, DrawMethod method) {
+Drawn drawn(const SceneGraph& scene, const Viewpoint& from, DrawMethod method) {
   context();
   Renderer renderer(scene, nullptr);
   return draw(renderer, from, {scene, pose(scene, 0)}, method);
@@ -54,7 +54,7 @@ TEST_P(Draw, ResampledWithinATexelOfTheCube) {
 TEST_P(Draw, OnlyTheFacesAskedFor) {
   if (!can_draw(DrawMethod::exact, GetParam())) GTEST_SKIP() << "rays and resampling alone";
   context();
-  const Scene scene = rooms::room(2);
+  const SceneGraph scene = rooms::room(2);
   Renderer renderer(scene, nullptr);
   Viewpoint from = inside(GetParam(), 32);
   from.which = 1;
@@ -68,8 +68,8 @@ TEST_P(Draw, OnlyTheFacesAskedFor) {
 }
 
 // Large and small, near and far, through the point, round it, and none at all.
-Scene extremes() {
-  Scene scene;
+SceneGraph extremes() {
+  SceneGraph scene;
   scene.materials.push_back({.base_colour = {1, 1, 1, 1}, .double_sided = true});
   scene.nodes.push_back({.name = "all"});
   std::mt19937 random(1);
@@ -103,7 +103,7 @@ Scene extremes() {
 
 TEST_P(Draw, AsRaycastOfExtremeTriangles) {
   if (!can_draw(DrawMethod::exact, GetParam())) GTEST_SKIP() << "rays and resampling alone";
-  const Scene scene = extremes();
+  const SceneGraph scene = extremes();
   const Viewpoint from{.to = GetParam(), .size = 256, .far = 1e7};
   const Drawn map = drawn(scene, from, DrawMethod::exact), truth = raycast({scene, pose(scene, 0)}, from);
   std::size_t texels = 0, others = 0, holes = 0;
@@ -119,7 +119,7 @@ TEST_P(Draw, AsRaycastOfExtremeTriangles) {
 
 TEST(DrawMethods, DistortedFineTrianglesAreNearlyRight) {
   const Viewpoint from = inside(Projection::paraboloid, 256);
-  const Scene fine = rooms::room(40), coarse = rooms::room(2);
+  const SceneGraph fine = rooms::room(40), coarse = rooms::room(2);
   EXPECT_LT(rooms::judge(drawn(fine, from, DrawMethod::distort), from).surface, 1e-3);
   EXPECT_GT(rooms::judge(drawn(coarse, from, DrawMethod::distort), from).surface, 1e-2);
 }
@@ -151,7 +151,7 @@ TEST_P(Draw, SamplesAreAMean) {
   if (!can_draw(DrawMethod::exact, GetParam())) GTEST_SKIP() << "rays and resampling alone";
   Viewpoint from = inside(GetParam(), 16);
   from.samples = 16;
-  Scene scene = rooms::room(2);
+  SceneGraph scene = rooms::room(2);
   for (std::size_t wall = 0; wall < 6; ++wall)  // One colour each: textures are filtered, which raycast() does not do.
     scene.materials[wall] = {.emissive = Colour(wall & 1, wall >> 1 & 1, wall >> 2), .double_sided = true};
   const Drawn map = drawn(scene, from, DrawMethod::exact), truth = raycast({scene, pose(scene, 0)}, from);
@@ -163,7 +163,7 @@ TEST_P(Draw, SamplesAreAMean) {
 }
 
 TEST(DrawMethods, ANodeIsLeftOut) {
-  const Scene scene = rooms::room(2);
+  const SceneGraph scene = rooms::room(2);
   Viewpoint from = inside(Projection::cube, 32);
   from.without = 2;
   const Drawn map = drawn(scene, from, DrawMethod::exact);
@@ -174,7 +174,7 @@ TEST(DrawMethods, ANodeIsLeftOut) {
 // Radiance from a direction comes out in that direction, whatever the projection of the environment.
 TEST(DrawMethods, EnvironmentIsTheBackground) {
   context();
-  Scene empty;
+  SceneGraph empty;
   for (const Projection p : all_projections) {
     EnvironmentMap coded;
     Level& level = coded.levels.emplace_back(p, 256);
@@ -208,7 +208,7 @@ TEST(DrawMethods, FollowTheMeasuredTimes) {
 }
 
 TEST(DrawMethods, ShadowMapsOfTheProcessorCostMoreThanRaysOfASmallMap) {
-  Scene scene = small_scenes::still_life();
+  SceneGraph scene = small_scenes::still_life();
   small_scenes::add(scene, {.kind = PunctualLight::Kind::point, .intensity = Colour(9)}, {-0.8, 2, 0.7}, {0, -1, 0});
   FrameState shot{.scene = scene, .pose = pose(scene, 0)};
   const DrawLoad lamp = draw_load(shot);

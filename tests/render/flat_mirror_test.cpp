@@ -17,7 +17,7 @@ using drawing::context;
 constexpr int width = 120, height = 90;
 
 // A plate of 1.4 x 1.2 m about a point, with its front along `normal`, which reflects two thirds.
-void add_mirror(Scene& scene, const Direction& at, const Direction& normal, bool double_sided) {
+void add_mirror(SceneGraph& scene, const Direction& at, const Direction& normal, bool double_sided) {
   const Rotation axes = upright_about(normal);
   scene.materials.push_back({.base_colour = glm::vec4(2.0F / 3, 2.0F / 3, 2.0F / 3, 1),
                              .metallic = 1,
@@ -36,7 +36,7 @@ void add_mirror(Scene& scene, const Direction& at, const Direction& normal, bool
                          .meshes = {int(scene.meshes.size()) - 1}});
 }
 
-void add_ball(Scene& scene, const Direction& at) {
+void add_ball(SceneGraph& scene, const Direction& at) {
   scene.materials.push_back({.base_colour = {0, 0, 0, 1}, .roughness = 1, .emissive = Colour(0.9F, 0.1F, 0.1F)});
   scene.meshes.push_back(rooms::ball(24, 0.12));
   scene.meshes.back().material = int(scene.materials.size()) - 1;
@@ -45,8 +45,8 @@ void add_ball(Scene& scene, const Direction& at) {
 }
 
 // Two mirrors that face each other, not quite parallel; one ball between them, one behind each.
-Scene facing(bool double_sided = false) {
-  Scene scene = rooms::room(2);
+SceneGraph facing(bool double_sided = false) {
+  SceneGraph scene = rooms::room(2);
   add_mirror(scene, {0, 0, -0.6}, glm::normalize(Direction(0.05, 0.03, 1)), double_sided);
   add_mirror(scene, {0, 0, 0.6}, (double_sided ? -1.0 : 1.0) * glm::normalize(Direction(-0.02, 0.06, -1)),
              double_sided);
@@ -64,7 +64,7 @@ Viewpoint camera(bool parallel = false, double shift = 0) {
           .lens = Lens{width, parallel ? Vec2<double>(0.6, 0.45) : Vec2<double>(0.8, 0.6), shift, parallel}};
 }
 
-std::vector<Colour> drawn(const Scene& scene, const Viewpoint& from, int bounces) {
+std::vector<Colour> drawn(const SceneGraph& scene, const Viewpoint& from, int bounces) {
   context();
   const std::vector<Mirror> found = find_mirrors(scene, Projection::paraboloid);
   Renderer renderer(scene, nullptr, nodes_of(found));
@@ -76,7 +76,7 @@ std::vector<Colour> drawn(const Scene& scene, const Viewpoint& from, int bounces
 }
 
 // The part of pixels that are off, in %: some at edges are, where OpenGL rounds otherwise than Embree.
-double wrong(const Scene& scene, const Viewpoint& from) {
+double wrong(const SceneGraph& scene, const Viewpoint& from) {
   const std::vector<Colour> picture = drawn(scene, from, 16);
   Viewpoint all = from;
   all.far = 100;
@@ -99,7 +99,7 @@ TEST(FlatMirrors, ShowWhatRaysDo) {
 
 // Each picture within a picture is nearer to the truth, and none of them shows the ball behind the mirror.
 TEST(FlatMirrors, AreDrawnAsDeepAsIsAsked) {
-  const Scene scene = facing();
+  const SceneGraph scene = facing();
   const auto truth = raycast_picture({.scene = scene, .pose = pose(scene, 0)}, camera(),
                                      {.mirrors = nodes_of(find_mirrors(scene, Projection::cube)), .far = 100});
   double before = 1e9;

@@ -22,8 +22,8 @@ struct Ball {
   Material material;
 };
 
-Scene scene_of(const std::vector<Ball>& balls) {
-  Scene scene;
+SceneGraph scene_of(const std::vector<Ball>& balls) {
+  SceneGraph scene;
   for (const Ball& ball : balls) {
     const auto k = int(scene.nodes.size());
     scene.materials.push_back(ball.material);
@@ -55,7 +55,7 @@ Viewer viewer(const Viewpoint& from) {
 }
 
 // Pixels that are not white, in each of the frames of a camera that moves past the balls.
-std::vector<int> dark_pixels(const Scene& scene, Projection maps, std::optional<int> bounces, bool ambient) {
+std::vector<int> dark_pixels(const SceneGraph& scene, Projection maps, std::optional<int> bounces, bool ambient) {
   drawing::context();
   const std::vector<Mirror> mirrors = find_mirrors(scene, maps);
   std::vector<int> nodes, dark;
@@ -87,13 +87,13 @@ INSTANTIATE_TEST_SUITE_P(Maps, Furnace, ::testing::Values(Projection::sphere, Pr
                          [](const auto& p) { return identifier(p.param); });
 
 TEST_P(Furnace, ACameraMovesPastTwoMirrors) {
-  const Scene scene = scene_of({{{-0.8, 0, 0}, mirror}, {{0.8, 0.1, 0.3}, mirror}});
+  const SceneGraph scene = scene_of({{{-0.8, 0, 0}, mirror}, {{0.8, 0.1, 0.3}, mirror}});
   for (const std::optional<int> bounces : {std::optional<int>(1), std::optional<int>(2), std::optional<int>()})
     EXPECT_EQ(dark_pixels(scene, GetParam(), bounces, false), std::vector<int>(13, 0)) << bounces.value_or(0);
 }
 
 TEST_P(Furnace, ACameraMovesPastMirrorsGlassAndPlaster) {
-  const Scene scene =
+  const SceneGraph scene =
       scene_of({{{-0.8, 0, 0}, mirror}, {{0.8, 0.1, 0.3}, glass}, {{0, 0.2, -1.3}, rough}, {{0.1, -1.1, 0}, mirror}});
   for (const bool ambient : {false, true})
     EXPECT_EQ(dark_pixels(scene, GetParam(), 1, ambient), std::vector<int>(13, 0)) << ambient;

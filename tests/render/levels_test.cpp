@@ -37,7 +37,7 @@ Level read_level(const MapTexture& map, int level) {
 // What an empty scene shows of its environment.
 MapTexture map_of(const Environment& environment, Projection to, int size, int levels) {
   drawing::context();
-  const Scene nothing;
+  const SceneGraph nothing;
   Renderer renderer(nothing, &environment);
   MapTexture map(to, size, levels);
   const FrameState shot{.scene = nothing, .pose = pose(nothing, 0), .environment = &environment};
@@ -89,7 +89,7 @@ TEST_P(Levels, OfOddSizesKeepWhite) {
 TEST_P(Levels, OneSampleShowsTheMean) {
   drawing::context();
   static const Environment squares(generate(Checker{60, Direction(1), Direction(0)}, Projection::latlong, 512), 1);
-  Scene scene;
+  SceneGraph scene;
   scene.materials.push_back({.metallic = 1, .roughness = 0});
   scene.meshes.push_back(rooms::ball(64, 0.6));
   scene.nodes.push_back({.name = "ball", .meshes = {0}});

@@ -132,7 +132,7 @@ TEST(LobeIntegral, PicturesOfRoughMetalAreRight) {
                                           .radiance = Rgb<double>{500},
                                           .sky = {Rgb<double>{0}, Rgb<double>{0}}},
                                       Projection::latlong, 512);
-  Scene scene;
+  SceneGraph scene;
   scene.materials = {{.base_colour = {1, 1, 1, 1}, .metallic = 1}};
   scene.meshes = {{.positions = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}},
                    .normals = {4, {0, 0, 1}},

@@ -383,7 +383,7 @@ TEST_P(Lookups, RenderedDistancesSayWhereRaysMeetTheWalls) {
     obj << fmt::format("v {} {} {}\n", k & 1 ? box_high.x : box_low.x, k & 2 ? box_high.y : box_low.y,
                        k & 4 ? box_high.z : box_low.z);
   obj << "f 1 2 4 3\nf 5 6 8 7\nf 1 2 6 5\nf 3 4 8 7\nf 1 3 7 5\nf 2 4 8 6\n" << std::flush;
-  const Scene scene = read_scene(scene_file.string());
+  const SceneGraph scene = read_scene(scene_file.string());
   const Drawn drawn = raycast({.scene = scene, .pose = pose(scene, 0)}, {.to = Projection::cube, .size = 256});
   write_with_distances(distances.string(), drawn.radiance, drawn.distances);
   write(nearness.string(), read(distances.string(), {.choice = {.channels = "1/Z"}}).map, {.depth = Depth::half});

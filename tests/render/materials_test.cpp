@@ -90,8 +90,8 @@ Texture texture(bool srgb, std::vector<glm::u8vec4> texels) {
 }
 
 // A ball of radius 1 about the origin.
-Scene scene_of(const Material& material) {
-  Scene scene;
+SceneGraph scene_of(const Material& material) {
+  SceneGraph scene;
   scene.textures = {
       texture(true, {{255, 40, 40, 255}, {40, 255, 40, 255}, {40, 40, 255, 255}, {250, 250, 40, 255}}),
       texture(false, {{0, 30, 255, 255}, {0, 200, 255, 255}, {0, 90, 255, 255}, {0, 250, 255, 255}}),
@@ -163,11 +163,12 @@ const Named skies[] = {{"White", white, 5e-4},
                        {"Sunny", sunny, 0.014},
                        {"Sampled", sampled, 0.03}};
 
-FrameState shot_of(const Scene& scene, const Environment& sky) {
+FrameState shot_of(const SceneGraph& scene, const Environment& sky) {
   return {.scene = scene, .pose = pose(scene, 0), .environment = &sky};
 }
 
-Drawn drawn(const Scene& scene, const Environment& sky, const Viewpoint& from, DrawMethod method = DrawMethod::exact) {
+Drawn drawn(const SceneGraph& scene, const Environment& sky, const Viewpoint& from,
+            DrawMethod method = DrawMethod::exact) {
   drawing::context();
   Renderer renderer(scene, &sky);
   return draw(renderer, from, shot_of(scene, sky), method);
@@ -205,7 +206,7 @@ double of_textures(const Material& m) {
 }
 
 // In every pixel; of those whose rays graze an outline a few see something else.
-void expect_as_rays(const Scene& scene, const Environment& sky, double tolerance) {
+void expect_as_rays(const SceneGraph& scene, const Environment& sky, double tolerance) {
   const Viewpoint from = camera();
   const Drawn map = drawn(scene, sky, from), truth = raycast(shot_of(scene, sky), from);
   int others = 0, on_ball = 0;
@@ -236,7 +237,7 @@ TEST(OwnLevels, AreMixedAsRaysMixThem) {
     for (const char* name : {"Metal35", "TexturedMetal", "Lacquer", "MirrorMetal"}) {
       if (std::string_view(lit.name) != name) continue;
       SCOPED_TRACE(name);
-      const Scene scene = scene_of(lit.material);
+      const SceneGraph scene = scene_of(lit.material);
       const std::vector<float> own = glossy_roughnesses(scene);
       EXPECT_EQ(own.size(), std::string_view(name) == "Lacquer" ? 2U : std::string_view(name) == "Metal35" ? 1U : 9U);
       if (!environments.contains(own)) environments.try_emplace(own, sunny().map.clone(), 64, Progress(), own);
@@ -245,7 +246,7 @@ TEST(OwnLevels, AreMixedAsRaysMixThem) {
 }
 
 TEST(OwnLevels, FitWhateverTheScene) {
-  Scene scene = scene_of({.roughness = 0.5F, .metallic_roughness_texture = 1});
+  SceneGraph scene = scene_of({.roughness = 0.5F, .metallic_roughness_texture = 1});
   for (int k = 0; k < 40; ++k) {
     scene.materials.push_back({.roughness = 0.02F * float(k)});
     scene.meshes.push_back(scene.meshes[0]);
@@ -266,7 +267,7 @@ TEST(WhiteMaterials, AreNotSeenInWhite) {
   for (const Lit& lit : materials) {
     if (!lit.white) continue;
     SCOPED_TRACE(lit.name);
-    const Scene scene = scene_of(lit.material);
+    const SceneGraph scene = scene_of(lit.material);
     for (const Projection to : all_projections)
       for (const DrawMethod method : {DrawMethod::exact, DrawMethod::resample, DrawMethod::raycast}) {
         if (!can_draw(method, to)) continue;
@@ -287,7 +288,7 @@ TEST(WhiteMaterials, AreNotSeenInWhite) {
 
 // Half a sphere of sky gives E = pi (1 + n.y) / 2 (Lambert 1760); without an interface all of that is diffused.
 TEST(HalfSky, LightsADiffuseBall) {
-  const Scene scene = scene_of({.roughness = 1, .ior = 1});
+  const SceneGraph scene = scene_of({.roughness = 1, .ior = 1});
   const Viewpoint from = camera();
   for (const Drawn& map : {drawn(scene, half(), from), raycast(shot_of(scene, half()), from)}) {
     double worst = 0;
@@ -305,7 +306,7 @@ TEST(HalfSky, LightsADiffuseBall) {
 TEST(HalfSky, LightsTopMiddleAndBottom) {
   for (const Lit& lit : materials) {
     if (!lit.white || lit.material.transmission > 0 || lit.material.alpha_cutoff > 0) continue;
-    const Scene scene = scene_of(lit.material);
+    const SceneGraph scene = scene_of(lit.material);
     const auto middle = [&](const Direction& at, unsigned face) {
       const Viewpoint from{.to = Projection::cube, .size = 33, .at = at, .which = 1U << face};
       return rooms::colour_at(drawn(scene, half(), from), face * 33 * 33 + 16 * 33 + 16).y;
@@ -319,7 +320,7 @@ TEST(HalfSky, LightsTopMiddleAndBottom) {
 }
 
 TEST(ClosedForms, AMirrorShowsTheSkyInTheReflectedDirection) {
-  const Scene scene = scene_of({.metallic = 1, .roughness = 0});
+  const SceneGraph scene = scene_of({.metallic = 1, .roughness = 0});
   const Viewpoint from = camera();
   const Drawn map = drawn(scene, half(), from);
   for_each_pixel(from, [&](std::size_t k, const Direction& ray) {
@@ -335,7 +336,7 @@ TEST(ClosedForms, AMirrorShowsTheSkyInTheReflectedDirection) {
 // What KHR_materials_unlit is read as.
 TEST(ClosedForms, WhatIsUnlitShowsItsColourUnderAnyLight) {
   const Colour seen(0.25F, 0.5F, 0.75F);
-  const Scene scene = scene_of({.base_colour = {0, 0, 0, 1}, .roughness = 1, .emissive = seen, .ior = 1});
+  const SceneGraph scene = scene_of({.base_colour = {0, 0, 0, 1}, .roughness = 1, .emissive = seen, .ior = 1});
   const Viewpoint from = camera();
   const Drawn map = drawn(scene, half(), from);
   for_each_pixel(from, [&](std::size_t k, const Direction&) {
@@ -346,7 +347,7 @@ TEST(ClosedForms, WhatIsUnlitShowsItsColourUnderAnyLight) {
 
 // Of half a sky by its occlusion map: 1 + strength (red - 1), of what is diffused and of what is reflected.
 TEST(ClosedForms, OcclusionKeepsThatMuchOfAnEvenLight) {
-  Scene scene = scene_of({.roughness = 0.6F, .occlusion_texture = 0, .occlusion_strength = 0.5F});
+  SceneGraph scene = scene_of({.roughness = 0.6F, .occlusion_texture = 0, .occlusion_strength = 0.5F});
   scene.textures = {{.width = 1, .height = 1, .texels = {{51, 255, 255, 255}}, .srgb = false}};
   const Viewpoint from = camera();
   for (const Drawn& map : {drawn(scene, white(), from), raycast(shot_of(scene, white()), from)})
@@ -362,11 +363,11 @@ TEST(ClosedForms, OcclusionKeepsThatMuchOfAnEvenLight) {
 TEST(ClosedForms, CoatsReflectByFresnelAndDarkenWhatTheyCover) {
   for (const float roughness : {0.0F, 0.7F})
     for (const float glow : {0.0F, 2.0F}) {
-      const Scene scene = scene_of({.base_colour = {0, 0, 0, 1},
-                                    .emissive = Colour(glow),
-                                    .ior = 1,
-                                    .coat = 0.75F,
-                                    .coat_roughness = roughness});
+      const SceneGraph scene = scene_of({.base_colour = {0, 0, 0, 1},
+                                         .emissive = Colour(glow),
+                                         .ior = 1,
+                                         .coat = 0.75F,
+                                         .coat_roughness = roughness});
       const Viewpoint from = camera();
       for (const Drawn& map : {drawn(scene, white(), from), raycast(shot_of(scene, white()), from)})
         for_each_pixel(from, [&](std::size_t k, const Direction& ray) {
@@ -383,7 +384,7 @@ TEST(ClosedForms, CoatsReflectByFresnelAndDarkenWhatTheyCover) {
 // table's.
 TEST(ClosedForms, SheenOnBlackReflectsItsAlbedo) {
   for (const float roughness : {0.3F, 0.7F, 1.0F}) {
-    const Scene scene =
+    const SceneGraph scene =
         scene_of({.base_colour = {0, 0, 0, 1}, .ior = 1, .sheen = Colour(0.8F), .sheen_roughness = roughness});
     const Viewpoint from = camera();
     const Drawn map = drawn(scene, white(), from);
@@ -408,7 +409,7 @@ TEST(ClosedForms, SheenOnBlackReflectsItsAlbedo) {
 
 // Colours of vertices are interpolated: in white, what has no interface shows them.
 TEST(ClosedForms, PaintedVerticesShowTheirColours) {
-  const Scene scene = scene_of({.name = "painted", .roughness = 1, .ior = 1});
+  const SceneGraph scene = scene_of({.name = "painted", .roughness = 1, .ior = 1});
   const Viewpoint from = camera();
   for (const Drawn& map : {drawn(scene, white(), from), raycast(shot_of(scene, white()), from)})
     for_each_pixel(from, [&](std::size_t k, const Direction& ray) {
@@ -420,7 +421,7 @@ TEST(ClosedForms, PaintedVerticesShowTheirColours) {
 
 TEST(ClosedForms, WhatShinesInTheDarkShowsItsEmission) {
   static const Environment black(map_of([](const Direction&) { return Colour(0); }));
-  const Scene scene = scene_of({.roughness = 1, .emissive = Colour(3, 2, 1)});
+  const SceneGraph scene = scene_of({.roughness = 1, .emissive = Colour(3, 2, 1)});
   const Viewpoint from = camera();
   const Drawn map = drawn(scene, black, from);
   for_each_pixel(from, [&](std::size_t k, const Direction&) {

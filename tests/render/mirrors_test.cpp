@@ -20,8 +20,8 @@ constexpr int size = 96;
 constexpr double radius = 0.2;
 
 // The room with mirror balls in it.
-Scene hall(const std::vector<Direction>& centres) {
-  Scene scene = rooms::room(2);
+SceneGraph hall(const std::vector<Direction>& centres) {
+  SceneGraph scene = rooms::room(2);
   scene.materials.push_back({.name = "mirror", .metallic = 1, .roughness = 0});
   scene.meshes.push_back(rooms::ball(48, radius));
   scene.meshes.back().material = int(scene.materials.size()) - 1;
@@ -47,7 +47,7 @@ Viewer viewer(const Viewpoint& from) {
 
 // A scene with its maps, over frames.
 struct Stage {
-  Stage(Scene s, Projection to) : scene(std::move(s)) {
+  Stage(SceneGraph s, Projection to) : scene(std::move(s)) {
     context();
     const std::vector<Mirror> found = find_mirrors(scene, to);
     std::vector<int> nodes;
@@ -70,7 +70,7 @@ struct Stage {
     return !updates.empty() && std::ranges::all_of(updates, [&](const MapUpdate& u) { return u.outcome == outcome; });
   }
 
-  Scene scene;
+  SceneGraph scene;
   std::optional<Renderer> renderer;
   std::optional<Mirrors> mirrors;
   std::vector<MapUpdate> updates;  // Of the last picture.
@@ -145,14 +145,14 @@ TEST_P(EachMirrorMap, ABallShowsWhatItsRaysMeet) {
 
 // A hall without walls, under a sky.
 struct Outdoors {
-  Outdoors(EnvironmentMap map, Projection p, Scene s = open_hall()) : scene(std::move(s)), to(p) {
+  Outdoors(EnvironmentMap map, Projection p, SceneGraph s = open_hall()) : scene(std::move(s)), to(p) {
     context();
     sky.emplace(std::move(map), 8);
     renderer.emplace(scene, &*sky, nodes_of(find_mirrors(scene, to)));
   }
 
-  static Scene open_hall() {
-    Scene scene = hall({ball_at});
+  static SceneGraph open_hall() {
+    SceneGraph scene = hall({ball_at});
     for (Node& node : scene.nodes)
       if (node.name.starts_with("wall")) node.meshes.clear();
     return scene;
@@ -170,7 +170,7 @@ struct Outdoors {
   }
 
   static constexpr Direction ball_at{0.1, -0.2, -0.3};
-  Scene scene;
+  SceneGraph scene;
   Projection to;
   std::optional<Environment> sky;
   std::optional<Renderer> renderer;
@@ -230,8 +230,8 @@ TEST_P(EachMirrorMap, ALoneSunIsAsSharpAsTheSky) {
 }
 
 // Walls that only shine, with one side open to the sky.
-Scene box_before_the_sky(float wall) {
-  Scene scene = hall({Outdoors::ball_at});
+SceneGraph box_before_the_sky(float wall) {
+  SceneGraph scene = hall({Outdoors::ball_at});
   for (Material& m : scene.materials)
     if (m.metallic == 0) m.ior = 1, m.emissive = Colour(wall), m.emissive_texture = -1;
   for (Node& node : scene.nodes)
@@ -264,7 +264,7 @@ TEST_P(EachMirrorMap, EdgesBeforeABrightSkyAreInBetween) {
 }
 
 TEST_P(EachMirrorMap, NoSunShinesIntoAClosedRoom) {
-  Scene closed = hall({Outdoors::ball_at});
+  SceneGraph closed = hall({Outdoors::ball_at});
   for (Material& m : closed.materials)
     if (m.metallic == 0) m.ior = 1;
   Outdoors outside(generate(Constant{Direction(100)}, Projection::cube, 16), GetParam(), closed);
@@ -274,7 +274,7 @@ TEST_P(EachMirrorMap, NoSunShinesIntoAClosedRoom) {
 
 // Half of the sky's light goes through.
 TEST_P(EachMirrorMap, BlendedSurfacesBeforeTheSkyAreSeen) {
-  Scene scene = Outdoors::open_hall();
+  SceneGraph scene = Outdoors::open_hall();
   scene.materials.push_back({.base_colour = {0, 0, 0, 0.5F}, .roughness = 1, .ior = 1, .blended = true});
   scene.meshes.push_back(rooms::ball(24, 3));
   scene.meshes.back().material = int(scene.materials.size()) - 1;
@@ -296,7 +296,7 @@ TEST_P(EachMirrorMap, BlendedSurfacesBeforeTheSkyAreSeen) {
 // up to ten times too low and twice too high.
 TEST_P(EachMirrorMap, SmallSunsKeepTheirLight) {
   context();
-  Scene scene = hall({{0, 0, 0}});
+  SceneGraph scene = hall({{0, 0, 0}});
   for (Node& node : scene.nodes)
     if (node.name.starts_with("wall")) node.meshes.clear();
   for (const auto& [i, j] : {std::pair(80, 121), {194, 126}, {261, 200}, {400, 160}, {503, 41}}) {
@@ -315,7 +315,7 @@ TEST_P(EachMirrorMap, SmallSunsKeepTheirLight) {
 
 // Against rays: balls near each other and the walls, a box beside one, which rays pass behind.
 TEST_P(EachMirrorMap, DistanceIsNearerToTheTruth) {
-  Scene scene = hall({{0.35, -0.2, -0.3}, {-0.3, -0.6, -0.1}});
+  SceneGraph scene = hall({{0.35, -0.2, -0.3}, {-0.3, -0.6, -0.1}});
   scene.materials.push_back({.base_colour = {0, 0, 0, 1}, .roughness = 1, .emissive = Colour(0.9F, 0.1F, 0.1F)});
   scene.meshes.push_back(rooms::ball(16, 0.12));
   scene.meshes.back().material = int(scene.materials.size()) - 1;
@@ -393,7 +393,7 @@ TEST_P(EachMirrorMap, MapsShowMirrorsToo) {
 // By unfolding: from the middle of the room, where rays meet the ball and go on to the walls.
 TEST(Mirrors, RaysOfMapsGoOnFromMirrors) {
   const Direction centre(0.3, -0.1, -0.3);
-  const Scene scene = hall({centre});
+  const SceneGraph scene = hall({centre});
   const Drawn map =
       raycast({.scene = scene, .pose = pose(scene, 0)}, {.to = Projection::cube, .size = 48}, {.mirrors = {6}});
   int on_ball = 0;
@@ -426,7 +426,7 @@ TEST(Mirrors, WhatStandsStillIsNotDrawnAgain) {
 }
 
 TEST(Mirrors, ALampBelowAMirrorChangesWhatItShows) {
-  Scene scene = hall({{0.1, -0.2, -0.3}});
+  SceneGraph scene = hall({{0.1, -0.2, -0.3}});
   scene.nodes.push_back({.parent = 6, .local = glm::translate(Matrix(1), Direction(0.5, 0, 0))});
   scene.lights.push_back({.node = 7});
   Stage stage(scene, Projection::cube);
@@ -437,8 +437,8 @@ TEST(Mirrors, ALampBelowAMirrorChangesWhatItShows) {
 }
 
 // A square mirror in the plane z = -0.5 that faces the camera, or the wall behind.
-Scene plate(float facing) {
-  Scene scene = rooms::room(2);
+SceneGraph plate(float facing) {
+  SceneGraph scene = rooms::room(2);
   scene.materials.push_back({.metallic = 1, .roughness = 0});
   Mesh mesh{.material = 6};
   for (const auto& [x, y] : {std::pair(-0.3F, -0.3F), {0.3F, -0.3F}, {0.3F, 0.3F}, {-0.3F, 0.3F}}) {
@@ -464,7 +464,7 @@ TEST(Mirrors, AFlatMirrorTakesOneHalfAndNothingFromBehind) {
 // The mirror turns round, and so does who looks at it: then nobody needs what it showed.
 TEST(Mirrors, FacesThatAreNoLongerNeededShowTheEnvironment) {
   context();
-  Scene scene = plate(1);
+  SceneGraph scene = plate(1);
   Renderer renderer(scene, nullptr, {6});
   Mirrors mirrors(scene, find_mirrors(scene, Projection::cube));
   const auto middle_of_front = [&](const Viewpoint& from) {
@@ -496,7 +496,7 @@ TEST_P(EachMirrorMap, AFlatMirrorShowsTheMirroredRoom) {
 // A second mirror in the plane z = 0.9 that faces the first one. In the map of the first, what it reflects of the walls
 // is as far away as their image, and a lamp leaves no glint, which would be smeared over texels.
 TEST(Mirrors, AMirrorInAMapIsAsFarAwayAsItsImage) {
-  Scene scene = plate(1);
+  SceneGraph scene = plate(1);
   Mesh second = scene.meshes[6];
   for (glm::vec3& p : second.positions) p = {-3 * p.x, 3 * p.y, 0.9F};
   for (glm::vec3& n : second.normals) n.z = -1;
@@ -541,7 +541,7 @@ TEST(Mirrors, LooksOfMaps) {
 
 TEST(Mirrors, RoughMetalBlursItsMap) {
   Stage smooth(hall({{0.1, -0.2, -0.3}}), Projection::cube);
-  Scene scene = smooth.scene;
+  SceneGraph scene = smooth.scene;
   scene.materials.back().roughness = 1;
   context();
   const Mirror rough = make_mirror(scene, 6, Projection::paraboloid);

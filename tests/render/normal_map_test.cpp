@@ -100,7 +100,7 @@ INSTANTIATE_TEST_SUITE_P(All, NormalMap, ::testing::ValuesIn(turned),
 // Half a sphere of sky gives E = pi (1 + n.y) / 2 (Lambert 1760), of the normal that the map says.
 TEST_P(NormalMap, TiltsTheNormal) {
   const Turned& t = GetParam();
-  Scene scene;
+  SceneGraph scene;
   scene.textures = {{.width = 1, .height = 1, .texels = {{204, 128, 230, 255}}, .srgb = false}};
   small_scenes::add(scene, small_scenes::square(1),
                     {.roughness = 1, .normal_texture = 0, .ior = 1, .double_sided = true}, t.local);

@@ -29,7 +29,7 @@ const Environment& clear() {
 struct Pictures {
   std::vector<Colour> drawn, cast;
 };
-Pictures pictures(const Scene& scene, const Environment* sky, std::span<const DistantLight> distant,
+Pictures pictures(const SceneGraph& scene, const Environment* sky, std::span<const DistantLight> distant,
                   Colour ambient = Colour(0)) {
   drawing::context();
   Renderer renderer(scene, sky);
@@ -88,7 +88,7 @@ TEST(DistantLights, StandWhereASunDoes) {
 TEST(Occlusion, UnderABallIsItsFormFactor) {
   const Direction centre(0.2, 0.7, 0);
   constexpr double radius = 0.5;
-  Scene scene;
+  SceneGraph scene;
   add(scene, square(2), plaster);
   add(scene, rooms::ball(64, radius), plaster, glm::translate(Matrix(1), centre));
   const Viewpoint from = camera();
@@ -113,8 +113,8 @@ TEST(Occlusion, UnderABallIsItsFormFactor) {
   }
 }
 
-Scene closed_box(float half) {
-  Scene scene;
+SceneGraph closed_box(float half) {
+  SceneGraph scene;
   Material walls = plaster;
   walls.double_sided = true;
   const Matrix down = glm::translate(Matrix(1), Direction(0, -half, 0));
@@ -127,7 +127,7 @@ Scene closed_box(float half) {
 
 // However near to the edges of its walls: by the nearest texels of shadow maps alone, 99 pixels would be lit.
 TEST(Occlusion, NoLightComesIntoAClosedBox) {
-  const Scene scene = closed_box(4);
+  const SceneGraph scene = closed_box(4);
   const Pictures both = pictures(scene, &white(), distant_lights(white().map, 64));
   const auto lit = [](const std::vector<Colour>& picture) {
     return std::ranges::count_if(picture, [](const Colour& c) { return c.y > 1e-6F; });
@@ -139,7 +139,7 @@ TEST(Occlusion, NoLightComesIntoAClosedBox) {
 // The furnace: what is convex and alone keeps nothing from itself, however coarse.
 TEST(Occlusion, NothingKeepsLightFromItself) {
   for (const int rings : {6, 64}) {
-    Scene scene;
+    SceneGraph scene;
     add(scene, rooms::ball(rings, 0.9), {.roughness = 0.6F});
     const std::vector<DistantLight> distant = distant_lights(clear().map, 64);
     const Pictures with = pictures(scene, &clear(), distant), without = pictures(scene, &clear(), {});
@@ -152,7 +152,7 @@ TEST(Occlusion, NothingKeepsLightFromItself) {
 
 // It stands for light that is everywhere, such as what walls of a room give back.
 TEST(Occlusion, IsNotOfAmbientLight) {
-  const Scene scene = still_life();
+  const SceneGraph scene = still_life();
   const Pictures with = pictures(scene, nullptr, distant_lights(white().map, 32), Colour(1));
   const Pictures without = pictures(scene, nullptr, {}, Colour(1));
   for (std::size_t k = 0; k < with.cast.size(); ++k) {
@@ -166,7 +166,7 @@ TEST(Occlusion, IsNotOfAmbientLight) {
 // Each light's outline is right to a texel; so few of them differ in a pixel,
 // and next to none where there are no outlines.
 TEST(Occlusion, IsDrawnAsRaysFindIt) {
-  const Scene scene = still_life();
+  const SceneGraph scene = still_life();
   const std::vector<DistantLight> distant = distant_lights(clear().map, 64);
   const Pictures both = pictures(scene, &clear(), distant);
   double sum = 0;

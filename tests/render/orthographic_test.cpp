@@ -18,7 +18,7 @@ double difference(const Colour& a, const Colour& b) {
 
 // The wall at z = -1 shines with (p + 1) / 2; the picture is 1.6 by 1.2 metres of it, its middle at (0.1, 0.05).
 TEST(Orthographic, AWallIsSeenWithoutPerspective) {
-  const Scene scene = rooms::room(2);
+  const SceneGraph scene = rooms::room(2);
   const FrameState shot{.scene = scene, .pose = pose(scene, 0)};
   drawing::context();
   Renderer renderer(scene, nullptr);
@@ -35,7 +35,7 @@ TEST(Orthographic, AWallIsSeenWithoutPerspective) {
 
 // Masked, curved and shaded things, from above.
 TEST(Orthographic, ThingsAreDrawnAsRaysSeeThem) {
-  Scene scene = small_scenes::still_life();
+  SceneGraph scene = small_scenes::still_life();
   small_scenes::add(scene, {.kind = PunctualLight::Kind::directional, .intensity = Colour(3)}, {0, 0, 0},
                     {0.5, -1, -0.4});
   const FrameState shot{.scene = scene, .pose = pose(scene, 0), .ambient = Colour(0.2F)};

@@ -19,13 +19,13 @@ Viewpoint camera(const Direction& at, double tangent = 0.5) {
   return {.size = size, .at = at, .far = 100, .lens = Lens{size, {tangent, tangent}, 0}};
 }
 
-std::vector<int> all_nodes(const Scene& scene) {
+std::vector<int> all_nodes(const SceneGraph& scene) {
   std::vector<int> nodes;
   for (std::size_t k = 0; k < scene.nodes.size(); ++k) nodes.push_back(int(k));
   return nodes;
 }
 
-std::vector<Colour> cast(const Scene& scene, const Viewpoint& from, const Environment* sky, int bounces = 32) {
+std::vector<Colour> cast(const SceneGraph& scene, const Viewpoint& from, const Environment* sky, int bounces = 32) {
   return raycast_picture({.scene = scene, .pose = pose(scene, 0), .environment = sky}, from,
                          {.mirrors = all_nodes(scene), .bounces = bounces});
 }
@@ -45,8 +45,8 @@ const Environment& directions() {
 }
 Direction colour_of(const Direction& d) { return 0.5 * (d + 1.0); }
 
-Scene ball_of(const Material& material, int rings = 128) {
-  Scene scene;
+SceneGraph ball_of(const Material& material, int rings = 128) {
+  SceneGraph scene;
   scene.materials = {material};
   scene.meshes = {rooms::ball(rings)};
   scene.nodes = {{.name = "ball", .meshes = {0}}};
@@ -78,7 +78,7 @@ TEST(RayPictures, AMirrorBallShowsTheSkyThatTheSphereReflects) {
 TEST(RayPictures, AGlassBallBendsLightWhereItLeaves) {
   constexpr double ior = 1.5, f0 = 0.04;
   const Viewpoint from = camera({0, 0, 3});
-  const Scene scene = ball_of({.roughness = 0, .transmission = 1, .ior = 1.5F, .solid = true});
+  const SceneGraph scene = ball_of({.roughness = 0, .transmission = 1, .ior = 1.5F, .solid = true});
   int shown = 0;
   for_each_pixel(cast(scene, from, &directions()), from, [&](const Colour& seen, const Direction& ray) {
     const auto place = on_ball(from.at, ray, 0.05);
@@ -116,7 +116,7 @@ TEST(RayPictures, NothingWhiteIsSeenInWhite) {
                            {.roughness = 0, .transmission = 1, .solid = true},
                            {.roughness = 0.1F, .transmission = 0.6F, .ior = 1.8F, .solid = true},
                            {.roughness = 0.3F}};
-  Scene scene;
+  SceneGraph scene;
   for (int k = 0; k < 6; ++k) {
     scene.materials.push_back(made[k]);
     scene.meshes.push_back(rooms::ball(24, 0.5));
@@ -135,7 +135,7 @@ TEST(RayPictures, NothingWhiteIsSeenInWhite) {
 constexpr double half = 0.3;
 
 // A square of half a side 0.3 at z, its front to +Z or -Z.
-void add_plate(Scene& scene, double z, float facing) {
+void add_plate(SceneGraph& scene, double z, float facing) {
   scene.materials.push_back({.metallic = 1, .roughness = 0});
   Mesh mesh{.material = int(scene.materials.size()) - 1};
   for (const auto& [x, y] : {std::pair(-half, -half), {half, -half}, {half, half}, {-half, half}}) {
@@ -168,7 +168,7 @@ std::optional<Direction> between_plates(Direction at, Direction ray, std::initia
 }
 
 TEST(RayPictures, AFlatMirrorShowsTheMirroredRoom) {
-  Scene scene = rooms::room(2);
+  SceneGraph scene = rooms::room(2);
   add_plate(scene, -0.5, 1);
   const Viewpoint from = camera({0.1, 0.05, 0.4});
   for_each_pixel(cast(scene, from, nullptr), from, [&](const Colour& seen, const Direction& ray) {
@@ -179,7 +179,7 @@ TEST(RayPictures, AFlatMirrorShowsTheMirroredRoom) {
 }
 
 TEST(RayPictures, FacingMirrorsShowSoManyReflections) {
-  Scene scene = rooms::room(2);
+  SceneGraph scene = rooms::room(2);
   add_plate(scene, -0.5, 1);
   add_plate(scene, 0.5, -1);
   const Viewpoint from = camera({0.1, 0.05, 0.4}, 0.3);

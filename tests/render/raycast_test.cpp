@@ -32,8 +32,8 @@ constexpr Direction wall_axes[6] = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}
 Colour wall_colour(int axis) { return Colour(1 + axis, axis == 2 ? 0.5F : 7, 10 - axis); }
 
 // A box of half side `half` about the origin whose six walls shine inwards, +X -X +Y -Y +Z -Z.
-Scene box(double half, bool inwards = true) {
-  Scene scene;
+SceneGraph box(double half, bool inwards = true) {
+  SceneGraph scene;
   for (int k = 0; k < 6; ++k) {
     scene.materials.push_back({.base_colour = glm::vec4(0, 0, 0, 1), .metallic = 1, .emissive = wall_colour(k)});
     scene.meshes.push_back(square(k));
@@ -50,7 +50,7 @@ Scene box(double half, bool inwards = true) {
   return scene;
 }
 
-FrameState shot_of(const Scene& scene) { return {.scene = scene, .pose = pose(scene, 0)}; }
+FrameState shot_of(const SceneGraph& scene) { return {.scene = scene, .pose = pose(scene, 0)}; }
 
 // For every texel that carries the map: its number, its ray and its place.
 template <class F>
@@ -67,7 +67,7 @@ void each_texel(const Viewpoint& v, F&& f) {
 }
 
 TEST(Raycast, InsideOfABoxInAllProjections) {
-  const Scene scene = box(2);
+  const SceneGraph scene = box(2);
   for (const Projection to : all_projections)
     for (const Direction& at : {Direction(0), Direction(0.7, -1.2, 1.9)}) {
       const Viewpoint v{.to = to, .size = 64, .at = at, .axes = rotation(30, 40, 50)};
@@ -99,7 +99,7 @@ TEST(Raycast, InsideOfABoxInAllProjections) {
 }
 
 TEST(Raycast, BeyondTheDiscIsNothingAndAParaboloidIsFull) {
-  const Scene scene = box(1);
+  const SceneGraph scene = box(1);
   for (const Projection to : {Projection::sphere, Projection::angular, Projection::paraboloid}) {
     const Drawn drawn = raycast(shot_of(scene), {.to = to, .size = 16, .samples = 4});
     const bool filled = to == Projection::paraboloid;
@@ -110,7 +110,7 @@ TEST(Raycast, BeyondTheDiscIsNothingAndAParaboloidIsFull) {
 }
 
 TEST(Raycast, SidesSpheresAndNodesLeftOut) {
-  Scene scene = box(1, false);
+  SceneGraph scene = box(1, false);
   const Viewpoint v{.to = Projection::cube, .size = 9};
   const auto hits = [&](const Viewpoint& from) {
     const Drawn drawn = raycast(shot_of(scene), from);
@@ -135,7 +135,7 @@ TEST(Raycast, SidesSpheresAndNodesLeftOut) {
 }
 
 TEST(Raycast, TexturesAndHoles) {
-  Scene scene;
+  SceneGraph scene;
   scene.textures.push_back({.width = 2,
                             .height = 2,
                             .texels = {{255, 0, 0, 255}, {0, 255, 0, 255}, {0, 0, 255, 255}, {255, 255, 255, 0}},
@@ -177,7 +177,7 @@ TEST(Raycast, TexturesWrap) {
 
 TEST(Raycast, ASphereInAWhiteRoomIsInvisibleAndItsNormalsAreSmooth) {
   const Environment white(generate(Constant{Direction(1)}, Projection::cube, 8), 4);
-  Scene scene;
+  SceneGraph scene;
   scene.materials.push_back({});
   Mesh ball;
   constexpr int n = 24;
@@ -212,7 +212,7 @@ TEST(Raycast, ASphereInAWhiteRoomIsInvisibleAndItsNormalsAreSmooth) {
 
 TEST(Raycast, SamplesAreTheMeanOfWhatTheySee) {
   // The wall ahead is half left out: an edge through the middle of texels at an odd size.
-  Scene scene = box(1);
+  SceneGraph scene = box(1);
   const Drawn one = raycast(shot_of(scene), {.to = Projection::cube, .size = 65, .at = {0.1, 0.2, 0.3}});
   const Drawn many =
       raycast(shot_of(scene),
@@ -228,7 +228,7 @@ TEST(Raycast, SamplesAreTheMeanOfWhatTheySee) {
 
 // Triangles through the viewpoint, behind it, without area, tiny and huge.
 TEST(Raycast, ExtremeTriangles) {
-  Scene scene;
+  SceneGraph scene;
   scene.materials.push_back(
       {.base_colour = glm::vec4(0, 0, 0, 1), .metallic = 1, .emissive = Colour(1), .double_sided = true});
   const auto mesh = [&](std::vector<glm::vec3> corners) {

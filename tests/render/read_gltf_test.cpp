@@ -37,7 +37,7 @@ TEST_F(SceneTest, TransformsGoDownTheTree) {
                              {"children", {1}}}};
   for (const char* name : {"a.gltf", "a.glb"}) {
     file.write(folder / name);
-    const Scene scene = read_scene(path(name));
+    const SceneGraph scene = read_scene(path(name));
     ASSERT_EQ(scene.nodes.size(), 3U);
     const int leaf = find_node(scene, "leaf").value(), root = find_node(scene, "root").value();
     EXPECT_LT(root, leaf) << "parents come first";
@@ -72,7 +72,7 @@ TEST_F(SceneTest, MaterialsAreReadAsTheFileSays) {
   file.document["meshes"][0]["primitives"].push_back(file.document["meshes"][0]["primitives"][0]);
   file.document["meshes"][0]["primitives"][0]["material"] = 0;
   file.write(folder / "a.gltf");
-  const Scene scene = read_scene(path("a.gltf"));
+  const SceneGraph scene = read_scene(path("a.gltf"));
   const Material& m = scene.materials[0];
   EXPECT_EQ(m.name, "lamp");
   EXPECT_EQ(m.base_colour, glm::vec4(0.1F, 0.2F, 0.3F, 0.4F));
@@ -120,7 +120,7 @@ TEST_F(SceneTest, UnlitMaterialsAndTransformsOfTextures) {
        {"extensions", {{"KHR_materials_unlit", json::object()}}}}};
   file.document["extensionsUsed"] = {"KHR_materials_unlit", "KHR_texture_transform"};
   file.write(folder / "a.gltf");
-  const Scene scene = read_scene(path("a.gltf"));
+  const SceneGraph scene = read_scene(path("a.gltf"));
   EXPECT_TRUE(scene.unsupported.empty());
   const Material& m = scene.materials[0];
   EXPECT_EQ(m.emissive, Colour(0.1F, 0.2F, 0.3F));
@@ -147,7 +147,7 @@ TEST_F(SceneTest, NormalAndOcclusionMaps) {
   file.document["materials"] = {
       {{"normalTexture", {{"index", 0}, {"scale", 0.5}}}, {"occlusionTexture", {{"index", 0}, {"strength", 0.25}}}}};
   file.write(folder / "a.gltf");
-  const Scene made = read_scene(path("a.gltf"));
+  const SceneGraph made = read_scene(path("a.gltf"));
   EXPECT_TRUE(made.unsupported.empty());
   EXPECT_EQ(made.materials[0].normal_scale, 0.5F);
   EXPECT_EQ(made.materials[0].occlusion_strength, 0.25F);
@@ -155,7 +155,7 @@ TEST_F(SceneTest, NormalAndOcclusionMaps) {
   for (const glm::vec4& t : made.meshes[0].tangents) EXPECT_EQ(t, glm::vec4(1, 0, 0, 1));
   file.document["meshes"][0]["primitives"][0]["attributes"]["TANGENT"] = tangents;
   file.write(folder / "a.gltf");
-  const Scene given = read_scene(path("a.gltf"));
+  const SceneGraph given = read_scene(path("a.gltf"));
   for (const glm::vec4& t : given.meshes[0].tangents) EXPECT_EQ(t, glm::vec4(0, 1, 0, -1));
 }
 
@@ -173,7 +173,7 @@ TEST_F(SceneTest, TexturesLieInFilesViewsAndTheDocument) {
       {{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}, {"metallicRoughnessTexture", {{"index", 0}}}}},
        {"emissiveTexture", {{"index", 1}}}}};
   file.write(folder / "a.gltf");
-  const Scene scene = read_scene(path("a.gltf"));
+  const SceneGraph scene = read_scene(path("a.gltf"));
   EXPECT_EQ(scene.meshes[0].coordinates[2], glm::vec2(0, 1));
   ASSERT_EQ(scene.textures.size(), 3U);
   const Texture& t = scene.textures[scene.materials[0].base_colour_texture];
@@ -219,7 +219,7 @@ TEST_F(SceneTest, LightsAndCamerasStandInTheirNodes) {
   file.document["nodes"].push_back({{"camera", 1}});
   file.document["scenes"] = {{{"nodes", {0, 1, 2, 3}}}};
   file.write(folder / "a.glb");
-  const Scene scene = read_scene(path("a.glb"));
+  const SceneGraph scene = read_scene(path("a.glb"));
   ASSERT_EQ(scene.lights.size(), 2U);
   const PunctualLight& spot = scene.lights[0];
   EXPECT_EQ(spot.kind, PunctualLight::Kind::spot);
@@ -250,7 +250,7 @@ TEST_F(SceneTest, SpotsOfAHalfSphereInFloat32) {
       {{"type", "spot"}, {"spot", {{"innerConeAngle", quarter}, {"outerConeAngle", quarter}}}}};
   file.document["nodes"][0]["extensions"]["KHR_lights_punctual"]["light"] = 0;
   file.write(folder / "a.gltf");
-  const Scene scene = read_scene(path("a.gltf"));
+  const SceneGraph scene = read_scene(path("a.gltf"));
   EXPECT_EQ(scene.lights.at(0).outer, pi / 2);
   EXPECT_EQ(scene.lights.at(0).inner, pi / 2);
 }
@@ -282,8 +282,10 @@ TEST_F(SceneTest, NodesMoveAsTheirKeysSay) {
     file.write(folder / "a.gltf");
     return read_scene(path("a.gltf"));
   };
-  const auto moved = [](const Scene& scene, double time, const Direction& p) { return at(pose(scene, time)[0], p); };
-  Scene scene = animate("translation", places, "LINEAR");
+  const auto moved = [](const SceneGraph& scene, double time, const Direction& p) {
+    return at(pose(scene, time)[0], p);
+  };
+  SceneGraph scene = animate("translation", places, "LINEAR");
   near(moved(scene, -1, {0, 0, 1}), {0, 0, -2});
   near(moved(scene, 0.5, {0, 0, 1}), {1, 0, -2});
   near(moved(scene, 3, {0, 0, 1}), {4, 0, -2});
@@ -306,7 +308,7 @@ TEST_F(SceneTest, StripsFansQuantisedAndSparseVertices) {
   auto& primitive = file.document["meshes"][0]["primitives"][0];
   primitive = {{"attributes", {{"POSITION", square}}}, {"mode", 5}};
   file.write(folder / "a.gltf");
-  Scene scene = read_scene(path("a.gltf"));
+  SceneGraph scene = read_scene(path("a.gltf"));
   ASSERT_EQ(scene.meshes[0].indices.size(), 6U);
   for (const glm::vec3& n : scene.meshes[0].normals)
     EXPECT_EQ(n, glm::vec3(0, 0, 1)) << "a strip turns every other triangle";
@@ -341,10 +343,10 @@ TEST_F(SceneTest, ScenesThatListChildrenAreDrawn) {
     file.write(folder / "a.gltf");
     return read_scene(path("a.gltf"));
   };
-  const auto leaf = [](const Scene& scene) {
+  const auto leaf = [](const SceneGraph& scene) {
     return at(pose(scene, 0)[std::size_t(find_node(scene, "leaf").value())], {0, 0, 0});
   };
-  Scene scene = read({0});  // Its parent is not in the scene: it is a root.
+  SceneGraph scene = read({0});  // Its parent is not in the scene: it is a root.
   ASSERT_EQ(scene.nodes.size(), 1U);
   near(leaf(scene), {1, 0, 0});
   ASSERT_EQ(scene.remarks.size(), 1U);
@@ -365,7 +367,7 @@ TEST_F(SceneTest, CornersBeyondTheLastTriangleAreNotDrawn) {
   GltfFile file = triangle();
   file.document["meshes"][0]["primitives"][0]["indices"] = file.add<std::uint16_t>({0, 1, 2, 0, 1}, "SCALAR", 1);
   file.write(folder / "a.gltf");
-  const Scene scene = read_scene(path("a.gltf"));
+  const SceneGraph scene = read_scene(path("a.gltf"));
   EXPECT_EQ(scene.meshes[0].indices.size(), 3U);
   EXPECT_EQ(scene.remarks.size(), 1U);
 }
@@ -379,7 +381,7 @@ TEST_F(SceneTest, MissingTexturesMayBeLeftOut) {
   file.write(folder / "a.gltf");
   EXPECT_THROW(read_scene(path("a.gltf")), MissingFile);
   EXPECT_NE(why(path("a.gltf")).find("'none.png', which is missing"), std::string::npos) << why(path("a.gltf"));
-  const Scene scene = read_scene(path("a.gltf"), 1 << 20, true);
+  const SceneGraph scene = read_scene(path("a.gltf"), 1 << 20, true);
   EXPECT_EQ(scene.materials[0].base_colour_texture, -1);
   ASSERT_EQ(scene.remarks.size(), 1U);
   EXPECT_NE(scene.remarks[0].find("none.png"), std::string::npos);
@@ -430,7 +432,7 @@ TEST_F(SceneTest, MeshesThatDracoCompressed) {
   json& extension = file.document["meshes"][0]["primitives"][0]["extensions"]["KHR_draco_mesh_compression"];
   extension = {{"bufferView", view}, {"attributes", {{"POSITION", 0}, {"NORMAL", 1}}}};
   file.write(folder / "a.glb");
-  const Scene scene = read_scene(path("a.glb"));
+  const SceneGraph scene = read_scene(path("a.glb"));
   ASSERT_EQ(scene.meshes[0].indices.size(), 3U);
   Direction sum(0);
   for (const std::uint32_t v : scene.meshes[0].indices) sum += Direction(scene.meshes[0].positions[v]);
@@ -461,12 +463,12 @@ TEST_F(SceneTest, TheSampleScenesAreRead) {
   ASSERT_EQ(std::system(command.c_str()), 0);
   for (const auto& [name, side] :
        {std::pair("room-2.glb", 1), std::pair("room-4.glb", 3), std::pair("room-21.glb", 20)}) {
-    const Scene room = read_scene(path(name));
+    const SceneGraph room = read_scene(path(name));
     EXPECT_EQ(room.meshes[0].indices.size() / 6, std::size_t(side * side)) << name;
     EXPECT_TRUE(room.unsupported.empty());
   }
   EXPECT_EQ(read_scene(path("wire-cube.glb")).nodes.size(), 22U);  // 12 edges, 8 corners, a lamp, a camera.
-  const Scene cellar = read_scene(path("cellar.glb"));
+  const SceneGraph cellar = read_scene(path("cellar.glb"));
   EXPECT_TRUE(cellar.unsupported.empty());
   EXPECT_EQ(cellar.cameras.size(), 2U);
   EXPECT_EQ(cellar.lights.size(), 3U);

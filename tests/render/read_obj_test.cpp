@@ -28,7 +28,7 @@ TEST_F(SceneTest, ObjWithMaterialsAndWindowsPaths) {
   put("a.obj",
       "mtllib a.mtl\nv 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\no square\nusemtl shiny\n"
       "f 1/1 2/2 3/3 4/4\n");
-  const Scene scene = read_scene(path("a.obj"));
+  const SceneGraph scene = read_scene(path("a.obj"));
   ASSERT_EQ(scene.meshes.size(), 1U);
   const Mesh& mesh = scene.meshes[0];
   ASSERT_EQ(mesh.indices.size(), 6U);
@@ -49,7 +49,7 @@ TEST_F(SceneTest, ObjOfOldMacsAndWithAbsolutePaths) {
   std::ofstream(folder / "a.ppm", std::ios::binary) << "P6 1 1 255\n\x01\x02\x03";
   put("a.mtl", "newmtl red\rKd 1 0 0\rmap_Kd /home/someone/a.ppm\r");
   put("a.obj", "mtllib C:\\models\\a.mtl\rv 0 0 0\rv 1 0 0\rv 0 1 0\rusemtl red\rf 1 2 3\r");
-  Scene scene = read_scene(path("a.obj"));
+  SceneGraph scene = read_scene(path("a.obj"));
   EXPECT_EQ(scene.materials[scene.meshes.at(0).material].base_colour, glm::vec4(1, 0, 0, 1));
   ASSERT_EQ(scene.textures.size(), 1U);
   ASSERT_EQ(scene.remarks.size(), 2U);
@@ -63,7 +63,7 @@ TEST_F(SceneTest, MissingTexturesOfObjMayBeLeftOut) {
   put("a.mtl", "newmtl red\nKd 1 0 0\nmap_Kd none.ppm\n");
   put("a.obj", "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\n");
   EXPECT_NE(why(path("a.obj")).find("'none.ppm', which is missing"), std::string::npos) << why(path("a.obj"));
-  const Scene scene = read_scene(path("a.obj"), 1 << 20, true);
+  const SceneGraph scene = read_scene(path("a.obj"), 1 << 20, true);
   EXPECT_EQ(scene.materials[0].base_colour_texture, -1);
   EXPECT_EQ(scene.remarks.size(), 1U);
 }
@@ -74,7 +74,7 @@ TEST_F(SceneTest, ObjAsTheManualHasIt) {
   put("a.obj",
       "mtllib my colours.mtl\r\no one\r\nv 0 0 0 1 0 0\r\nv 1 0 0 1.0\r\nv 0 \\\r\n1 0\r\nusemtl red #1\r\n"
       "f -3 -2 -1 # all\r\nl 1 2\r\ng two more\r\nusemtl none\r\nf 1 2 3\r\no one\r\nf 3 2 1");
-  const Scene scene = read_scene(path("a.obj"));
+  const SceneGraph scene = read_scene(path("a.obj"));
   ASSERT_EQ(scene.nodes.size(), 2U);
   EXPECT_EQ(scene.nodes[0].name, "one");
   EXPECT_EQ(scene.nodes[1].name, "two more");
@@ -93,7 +93,7 @@ TEST_F(SceneTest, ObjAsTheManualHasIt) {
 TEST_F(SceneTest, MaterialLibrariesThatAreMissingAreSaid) {
   put("there.mtl", "newmtl a\nKd 0.5 0.5 0.5\n");
   put("a.obj", "mtllib there.mtl gone.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\nusemtl b\nf 1 2 3\n");
-  const Scene scene = read_scene(path("a.obj"));
+  const SceneGraph scene = read_scene(path("a.obj"));
   EXPECT_EQ(scene.remarks, (std::vector<std::string>{"'gone.mtl' is missing: its materials are white"}));
   EXPECT_EQ(scene.materials[0].base_colour, glm::vec4(0.5F, 0.5F, 0.5F, 1));
   EXPECT_EQ(scene.materials[1].base_colour, glm::vec4(1));
@@ -109,7 +109,7 @@ TEST_F(SceneTest, OptionsAndExtensionsOfMaterials) {
   put("a.obj",
       "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl metal\nf 1 2 3\nusemtl matte\nf 1 2 3\nusemtl window\nf 1 2 "
       "3\n");
-  const Scene scene = read_scene(path("a.obj"));
+  const SceneGraph scene = read_scene(path("a.obj"));
   const Material &metal = scene.materials[0], &matte = scene.materials[1];
   EXPECT_EQ(metal.metallic, 1);
   EXPECT_EQ(metal.roughness, 0.25F);
@@ -132,7 +132,7 @@ TEST_F(SceneTest, LinearTexturesAreEncoded) {
   put("a.pfm", "PF\n1 1\n-1\n" + std::string(reinterpret_cast<const char*>(colour), sizeof colour));
   put("a.mtl", "newmtl a\nmap_Ke a.pfm\n");
   put("a.obj", "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\n");
-  const Scene scene = read_scene(path("a.obj"));
+  const SceneGraph scene = read_scene(path("a.obj"));
   EXPECT_TRUE(scene.textures.at(0).srgb);
   EXPECT_EQ(scene.textures[0].texels[0], glm::u8vec4(188, 0, 255, 255));
   EXPECT_EQ(scene.unsupported, (std::vector<std::string>{"colours of textures above 1"}));
@@ -150,7 +150,7 @@ TEST_F(SceneTest, SmoothingGroupsShareNormals) {
   const std::string faces = "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6\nf 1 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
   put("smooth.obj", cube + "s 1\n" + faces);
   put("flat.obj", cube + "s off\n" + faces);
-  const Scene smooth = read_scene(path("smooth.obj")), flat = read_scene(path("flat.obj"));
+  const SceneGraph smooth = read_scene(path("smooth.obj")), flat = read_scene(path("flat.obj"));
   ASSERT_EQ(smooth.meshes[0].positions.size(), 8U);
   for (std::size_t k = 0; k < 8; ++k)
     EXPECT_LT(glm::length(smooth.meshes[0].normals[k] - smooth.meshes[0].positions[k] / std::sqrt(3.0F)), 1e-6F);

@@ -16,8 +16,8 @@ using namespace envmap;
 /// The box [-1,1]^3 seen from inside, `edge` vertices along each of its edges: 12 (edge - 1)^2 triangles. Each wall is
 /// an instance, in the order of a cube's faces. At p it shines with (p + 1) / 2: textures of 2x2 texels, of which only
 /// what lies between their centres is used.
-inline Scene room(int edge) {
-  Scene scene;
+inline SceneGraph room(int edge) {
+  SceneGraph scene;
   for (int face = 0; face < 6; ++face) {
     const Cube::Axes& axes = Cube::axes[face];
     const auto corner = [&](double s, double t) { return axes.forward + s * axes.right + t * axes.up; };

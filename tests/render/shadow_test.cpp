@@ -17,12 +17,12 @@ using Kind = PunctualLight::Kind;
 
 using Picture = std::vector<Colour>;
 
-Picture drawn(const Scene& scene, const Viewpoint& from, bool shadows = true) {
+Picture drawn(const SceneGraph& scene, const Viewpoint& from, bool shadows = true) {
   drawing::context();
   Renderer renderer(scene, nullptr);
   return draw_picture(renderer, from, {.scene = scene, .pose = pose(scene, 0), .shadows = shadows});
 }
-Picture cast(const Scene& scene, const Viewpoint& from, bool shadows = true) {
+Picture cast(const SceneGraph& scene, const Viewpoint& from, bool shadows = true) {
   return raycast_picture({.scene = scene, .pose = pose(scene, 0), .shadows = shadows}, from, {});
 }
 
@@ -54,7 +54,7 @@ INSTANTIATE_TEST_SUITE_P(All, ShadowsOf, ::testing::ValuesIn(lamps),
 // Pixels that differ lie at an outline: within two pixels, rays see light and shadow, or another surface. A card
 // interpolates alpha with 8 bits of fraction: of holes that end at the plate's edge it leaves a hair.
 TEST_P(ShadowsOf, AreDrawnWhereRaysFindThem) {
-  Scene scene = still_life();
+  SceneGraph scene = still_life();
   add(scene, GetParam().light, GetParam().at, GetParam().along);
   const Viewpoint from = camera();
   const Picture map = drawn(scene, from), truth = cast(scene, from), unshaded = cast(scene, from, false);
@@ -84,7 +84,7 @@ TEST_P(ShadowsOf, ABallShadesTheFloorAsASphereDoes) {
   const Direction centre(0.3, 0.6, 0);
   constexpr double radius = 0.4;
   const bool parallel = GetParam().light.kind == Kind::directional;
-  Scene scene;
+  SceneGraph scene;
   add(scene, square(2), plaster);
   add(scene, rooms::ball(96, radius), plaster, glm::translate(Matrix(1), centre));
   add(scene, GetParam().light, GetParam().at, GetParam().along);
@@ -113,7 +113,7 @@ TEST_P(ShadowsOf, ABallShadesTheFloorAsASphereDoes) {
 // however coarse.
 TEST_P(ShadowsOf, NothingShadesItself) {
   for (const int rings : {6, 16, 96}) {
-    Scene scene;
+    SceneGraph scene;
     add(scene, rooms::ball(rings, 0.9), plaster);
     add(scene, GetParam().light, GetParam().at, GetParam().along);
     const Viewpoint from = camera();
@@ -125,7 +125,7 @@ TEST_P(ShadowsOf, NothingShadesItself) {
 }
 
 TEST(Shadows, ABowlDoesNotShadeItself) {
-  Scene scene;
+  SceneGraph scene;
   add(scene, rooms::ball(96, 5), {.roughness = 1, .ior = 1, .double_sided = true});
   add(scene, {.intensity = Colour(30)}, {-0.8, 2, 0.7}, {0, -1, 0});
   const Viewpoint from = camera();
@@ -137,7 +137,7 @@ TEST(Shadows, ABowlDoesNotShadeItself) {
 // A lamp's own mesh round the light lets it out; what is not below the light's node keeps it in.
 TEST(Shadows, OfALampAreNotCastByWhatHangsOnIt) {
   for (const bool own : {true, false}) {
-    Scene scene;
+    SceneGraph scene;
     add(scene, square(2), plaster);
     add(scene, {.intensity = Colour(9)}, {0, 1.5, 0}, {0, -1, 0});
     add(scene, rooms::ball(16, 0.1), plaster);
@@ -154,7 +154,7 @@ TEST(Shadows, OfALampAreNotCastByWhatHangsOnIt) {
 // Its vertices, colours and shadow are those that it has now; so is what it needs in memory.
 TEST(Shadows, OfAMeshThatChangesAreThoseItHasNow) {
   drawing::context();
-  Scene scene = still_life();
+  SceneGraph scene = still_life();
   add(scene, {.kind = Kind::point, .intensity = Colour(9)}, {-0.8, 2, 0.7}, {0, -1, 0});
   Renderer renderer(scene, nullptr);
   const FrameState shot{.scene = scene, .pose = pose(scene, 0)};
@@ -170,7 +170,7 @@ TEST(Shadows, OfAMeshThatChangesAreThoseItHasNow) {
 
 // A map drawn from inside of a ball, without it, shows the shadow of the ball.
 TEST(Shadows, OfWhatIsLeftOutStay) {
-  Scene scene;
+  SceneGraph scene;
   add(scene, square(2), plaster);
   add(scene, rooms::ball(32, 0.3), plaster, glm::translate(Matrix(1), Direction(0, 1, 0)));
   add(scene, {.intensity = Colour(9)}, {0, 2, 0}, {0, -1, 0});

@@ -45,7 +45,7 @@ TEST_F(DeformTest, MorphTargetsAreAddedByTheirWeights) {
   GltfFile file = square(true);
   file.document["meshes"][0]["weights"] = {0.25};
   file.write(folder / "rest.glb");
-  Scene rest = read_scene(path("rest.glb"));
+  SceneGraph rest = read_scene(path("rest.glb"));
   EXPECT_EQ(rest.meshes[0].positions[0], glm::vec3(-1, -1, 0.5F)) << "the mesh's own weights";
   EXPECT_TRUE(deform(rest, pose(rest, 0), 0).empty()) << "as it was read";
   file.document["nodes"][0]["weights"] = {0.5};
@@ -53,7 +53,7 @@ TEST_F(DeformTest, MorphTargetsAreAddedByTheirWeights) {
   EXPECT_EQ(read_scene(path("node.glb")).meshes[0].positions[0], glm::vec3(-1, -1, 1)) << "the node's";
   animate(file, 0, "weights", {0, 1}, "SCALAR", 1);
   file.write(folder / "moving.glb");
-  Scene scene = read_scene(path("moving.glb"));
+  SceneGraph scene = read_scene(path("moving.glb"));
   EXPECT_TRUE(scene.unsupported.empty());
   EXPECT_EQ(scene.meshes[0].positions[2], glm::vec3(1, 1, 0));
   EXPECT_EQ(deform(scene, pose(scene, 0.75), 0.75), std::vector<int>{0});
@@ -68,7 +68,7 @@ TEST_F(DeformTest, FlatTrianglesGetNewNormals) {
   primitive["targets"][0]["POSITION"] = file.add<float>({0, 0, 0, 0, 0, 2, 0, 0, 2, 0, 0, 0}, "VEC3", 3);
   animate(file, 0, "weights", {0, 1}, "SCALAR", 1);
   file.write(folder / "flat.glb");
-  Scene scene = read_scene(path("flat.glb"));
+  SceneGraph scene = read_scene(path("flat.glb"));
   for (const glm::vec3& n : scene.meshes[0].normals) EXPECT_EQ(n, glm::vec3(0, 0, 1));
   deform(scene, pose(scene, 1), 1);
   for (const glm::vec3& p : scene.meshes[0].positions) EXPECT_FLOAT_EQ(p.z, p.x + 1);
@@ -120,13 +120,13 @@ GltfFile tube() {
   return file;
 }
 
-Direction in_world(const Scene& scene, const Pose& pose, std::size_t vertex) {
+Direction in_world(const SceneGraph& scene, const Pose& pose, std::size_t vertex) {
   return Direction(pose[0] * glm::dvec4(scene.meshes[0].positions[vertex], 1));
 }
 
 TEST_F(DeformTest, ATubeOfTwoBonesBends) {
   tube().write(folder / "tube.glb");
-  Scene scene = read_scene(path("tube.glb"));
+  SceneGraph scene = read_scene(path("tube.glb"));
   EXPECT_TRUE(scene.unsupported.empty());
   const Pose straight = pose(scene, 0), bent = pose(scene, 1);
   std::vector<Direction> before;
@@ -152,7 +152,7 @@ TEST_F(DeformTest, IsDrawnAsRaysSeeIt) {
       {{"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}, {"rotation", {-0.5, 0.3, 0, 0.8}}});
   file.document["scenes"][0]["nodes"].push_back(3);
   file.write(folder / "tube.glb");
-  Scene scene = read_scene(path("tube.glb"));
+  SceneGraph scene = read_scene(path("tube.glb"));
   drawing::context();
   Renderer renderer(scene, nullptr);
   const Viewpoint from{.to = Projection::cube, .size = 96, .at = {-0.2, 1, 2.2}, .which = 1U << 5};
@@ -181,7 +181,7 @@ TEST_F(DeformTest, ANodeWithoutASkinKeepsTheMesh) {
   file.document["nodes"].push_back({{"mesh", 0}, {"name", "plain"}});
   file.document["scenes"][0]["nodes"].push_back(3);
   file.write(folder / "tubes.glb");
-  Scene scene = read_scene(path("tubes.glb"));
+  SceneGraph scene = read_scene(path("tubes.glb"));
   const Mesh& plain = scene.meshes[std::size_t(scene.nodes[std::size_t(*find_node(scene, "plain"))].meshes[0])];
   const std::vector<glm::vec3> rest = plain.positions;
   EXPECT_EQ(deform(scene, pose(scene, 1), 1).size(), 1U);

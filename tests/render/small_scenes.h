@@ -16,14 +16,14 @@ inline Matrix shining(const Direction& at, const Direction& along) {
   return glm::inverse(glm::lookAt(at, at + along, Direction(0.1, 1, 0.2)));
 }
 
-inline void add(Scene& scene, Mesh mesh, const Material& material, const Matrix& local = Matrix(1)) {
+inline void add(SceneGraph& scene, Mesh mesh, const Material& material, const Matrix& local = Matrix(1)) {
   mesh.material = int(scene.materials.size());
   scene.materials.push_back(material);
   scene.nodes.push_back({.local = local, .meshes = {int(scene.meshes.size())}});
   scene.meshes.push_back(std::move(mesh));
 }
 
-inline void add(Scene& scene, PunctualLight light, const Direction& at, const Direction& along) {
+inline void add(SceneGraph& scene, PunctualLight light, const Direction& at, const Direction& along) {
   light.node = int(scene.nodes.size());
   scene.nodes.push_back({.local = shining(at, along)});
   scene.lights.push_back(light);
@@ -54,8 +54,8 @@ inline void for_each_pixel(const Viewpoint& from, auto&& f) {
 }
 
 // A ball, a leaning card with holes and a wall on a floor, glass above them.
-inline Scene still_life() {
-  Scene scene;
+inline SceneGraph still_life() {
+  SceneGraph scene;
   scene.textures = {{.width = 2,
                      .height = 2,
                      .texels = {{255, 255, 255, 255}, {255, 255, 255, 0}, {255, 255, 255, 0}, {255, 255, 255, 255}}}};

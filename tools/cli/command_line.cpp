@@ -50,7 +50,6 @@ void add(CLI::App& app, Option& o) {
   option->required(o.required);
   if (!o.is_flag()) option->type_name(o.type);
   if (!o.environment.empty()) option->envname(o.environment);
-  if (!o.excludes.empty()) option->excludes(o.excludes);
 }
 
 // The commands that have an option, in words.
@@ -165,6 +164,8 @@ void parse(const std::vector<std::string>& words, Parsed& parsed, Settings& sett
     parsed.action = define(command, parsed.options, settings);
     for (Option& o : parsed.options.rows)
       if (o.name != "--help") add(*sub, o);  // CLI11 has its own.
+    for (const Option& o : parsed.options.rows)
+      if (!o.excludes.empty()) sub->get_option(o.name)->excludes(o.excludes);
     sub->set_help_flag("-h", "");
     sub->set_help_all_flag("--help", "");
   }

@@ -73,7 +73,7 @@ bool may_be_scene(const std::string& path) {
 }
 
 // A glTF file without the light of a map is a scene. What is neither has the message of that type of file.
-std::variant<Source, Scene> read_map_or_scene(const InfoRequest& o, const std::string& input) {
+std::variant<Source, SceneGraph> read_map_or_scene(const InfoRequest& o, const std::string& input) {
   if (!may_be_scene(input)) return read_map(input, o.read);
   if (extension_of(input) == "obj") return read_scene(input, o.read, o.allow_missing);
   try {
@@ -91,7 +91,7 @@ void print_lines(const FactLines& lines) {
   for (const auto& [what, value] : lines) print(fmt::format("{:14} {}\n", what, value));
 }
 
-void tell(const InfoRequest& o, const Scene& scene, const std::string& input, Report& report) {
+void tell(const InfoRequest& o, const SceneGraph& scene, const std::string& input, Report& report) {
   for (const Option& option : o.options->rows) {
     const bool is_of_maps = option.group == facts_group || option.group == groups::input_map ||
                             option.name == "--input-space" || option.name == "--ocio";
@@ -105,8 +105,9 @@ void tell(const InfoRequest& o, const Scene& scene, const std::string& input, Re
   add(report, scene);
 }
 
-void tell(const InfoRequest& o, const std::string& input, const std::variant<Source, Scene>& found, Report& report) {
-  if (const Scene* const scene = std::get_if<Scene>(&found)) return tell(o, *scene, input, report);
+void tell(const InfoRequest& o, const std::string& input, const std::variant<Source, SceneGraph>& found,
+          Report& report) {
+  if (const SceneGraph* const scene = std::get_if<SceneGraph>(&found)) return tell(o, *scene, input, report);
   if (*o.allow_missing) throw UsageError(input, "is a map: remove --allow-missing");
   const Source& source = std::get<Source>(found);
   const MapFacts facts = facts_of(source, input, o.read.colour.space, o.towards);

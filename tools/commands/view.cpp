@@ -209,7 +209,7 @@ int run(Request& o, Report& report) {
     std::ranges::copy(eye_files(path), std::back_inserter(outputs));
   check_files(outputs, {o.scene.path, o.scene.environment});  // Before reading takes its time.
   LoadedScene loaded = load(o.scene);
-  const Scene& scene = loaded.scene;
+  const SceneGraph& scene = loaded.scene;
   o.from.camera = camera_of(o.camera);
   const Viewpoints viewpoints(o.from, double(o.width) / o.height, scene, o.scene.path,
                               pose(scene, frames.time(frames.first)));
@@ -223,10 +223,12 @@ int run(Request& o, Report& report) {
   const std::vector<std::string> maps = o.saved.empty() ? std::vector<std::string>{} : map_files(o.saved, scene, nodes);
   check_files(outputs, loaded.inputs, {}, all_maps(maps, frames));  // Mirrors that nobody sees have no map.
   open_depfile();
+  std::optional<Context> context;
   std::optional<MirrorPainter> painter;
   if (o.method == ViewMethod::maps) {
-    painter.emplace(o.scene.context, loaded, mirrors);
-    if (settings().verbose) note(painter->context().renderer());
+    context.emplace(o.scene.context);
+    if (settings().verbose) note(context->renderer());
+    painter.emplace(loaded, mirrors);
   }
   if (viewpoints.is_framed()) note(fmt::format("{}: has no camera; all of it is in sight", o.scene.path));
   const Scenery scenery{o, loaded, viewpoints, frames};

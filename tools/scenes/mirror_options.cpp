@@ -12,7 +12,7 @@
 namespace tools {
 using namespace envmap;
 
-MirrorWish mirror_wish(const Scene& scene, const std::string& text) {
+MirrorWish mirror_wish(const SceneGraph& scene, const std::string& text) {
   if (find_node(scene, text)) return {text};
   if (const auto colon = text.rfind(':'); colon != std::string::npos) {
     const std::string node = text.substr(0, colon), how = text.substr(colon + 1);
@@ -27,7 +27,7 @@ MirrorWish mirror_wish(const Scene& scene, const std::string& text) {
       nodes_in_words(scene)));
 }
 
-std::vector<std::string> map_files(const std::string& folder, const Scene& scene, const std::vector<int>& nodes) {
+std::vector<std::string> map_files(const std::string& folder, const SceneGraph& scene, const std::vector<int>& nodes) {
   std::vector<std::string> files;
   if (std::error_code error; std::filesystem::exists(folder, error) && !std::filesystem::is_directory(folder, error))
     throw UsageError(folder, "is not a folder");
@@ -66,7 +66,7 @@ std::string words(const MapUpdate& update, const Mirror& mirror, const std::stri
 
 }  // namespace
 
-void tell(const MirrorUpdates& updates, const Scene& scene, const std::vector<Mirror>& mirrors) {
+void tell(const MirrorUpdates& updates, const SceneGraph& scene, const std::vector<Mirror>& mirrors) {
   if (!settings().verbose) return;
   for (const MapUpdate& update : updates.maps) {
     const Mirror& mirror = mirrors[std::size_t(update.mirror)];

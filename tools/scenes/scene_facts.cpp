@@ -13,7 +13,7 @@ using namespace envmap;
 namespace {
 
 // Counts the triangles of each node and of the nodes below it.
-std::vector<std::size_t> triangles_of_nodes(const Scene& scene) {
+std::vector<std::size_t> triangles_of_nodes(const SceneGraph& scene) {
   std::vector<std::size_t> counts(scene.nodes.size());
   for (const Instance& i : instances(scene))
     for (int node = i.node; node >= 0; node = scene.nodes[std::size_t(node)].parent)
@@ -33,7 +33,7 @@ std::string counted(std::size_t count, const char* what, const char* more = "s")
 
 }  // namespace
 
-void add(Report& report, const Scene& scene) {
+void add(Report& report, const SceneGraph& scene) {
   const std::vector<Direction> centres = centres_of_nodes(scene, pose(scene, 0));
   const std::vector<std::size_t> counts = triangles_of_nodes(scene);
   const auto name_of = [&](int node) { return scene.nodes[std::size_t(node)].name; };
@@ -60,7 +60,7 @@ void add(Report& report, const Scene& scene) {
   }
 }
 
-FactLines lines_of(const Scene& scene, const std::string& file) {
+FactLines lines_of(const SceneGraph& scene, const std::string& file) {
   const std::vector<Direction> centres = centres_of_nodes(scene, pose(scene, 0));
   const std::vector<std::size_t> counts = triangles_of_nodes(scene);
   FactLines lines{

@@ -138,7 +138,7 @@ FrameState LoadedScene::shot(double time, const SceneOptions& o) const {
   return LitScene::shot(time, ambient_of(o), !o.no_shadows);
 }
 
-Scene read_scene(const std::string& path, const ReadOptions& read, std::optional<bool> allow_missing) {
+SceneGraph read_scene(const std::string& path, const ReadOptions& read, std::optional<bool> allow_missing) {
   try {
     return envmap::read_scene(path, read.max_pixels, allow_missing.value_or(false));
   } catch (const MissingFile& e) {
@@ -149,7 +149,7 @@ Scene read_scene(const std::string& path, const ReadOptions& read, std::optional
 LoadedScene load(const SceneOptions& o) {
   LoadedScene loaded{{.scene = read_scene(o.path, o.read, o.allow_missing)}};
   loaded.move_to(frames_of(o).time(frames_of(o).first));
-  const Scene& scene = loaded.scene;
+  const SceneGraph& scene = loaded.scene;
   loaded.inputs = scene.files;
   for (const std::string& remark : remarks_on(scene)) warn(fmt::format("{}: {}", o.path, remark));
   if (settings().verbose)
@@ -157,14 +157,14 @@ LoadedScene load(const SceneOptions& o) {
                      instances(scene).size(), scene.materials.size(), scene.lights.size()));
   if (o.environment.empty()) return loaded;
   loaded.inputs.push_back(o.environment);
-  loaded.light_by(read_map(o.environment, o.read).map, o.occlusion, o.reflection,
+  loaded.light_by(PreparedEnvironment(read_map(o.environment, o.read).map), o.occlusion, o.reflection,
                   progress_line("light of the environment"));
   return loaded;
 }
 
-std::string nodes_in_words(const Scene& scene) { return list_nodes(scene) + " ('envmap info SCENE' lists all)"; }
+std::string nodes_in_words(const SceneGraph& scene) { return list_nodes(scene) + " ('envmap info SCENE' lists all)"; }
 
-Viewpoint viewpoint_of(const std::string& at, const Scene& scene, const std::string& path) {
+Viewpoint viewpoint_of(const std::string& at, const SceneGraph& scene, const std::string& path) {
   Viewpoint from;
   if (at.empty()) return from;
   if (const auto node = find_node(scene, at)) {

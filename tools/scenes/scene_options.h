@@ -59,7 +59,8 @@ Frames frames_of(const SceneOptions& options);
 
 /// read_scene(), whose error about a missing texture names --allow-missing.
 /// @param allow_missing absent where the command has no such option.
-envmap::Scene read_scene(const std::string& path, const envmap::ReadOptions& read, std::optional<bool> allow_missing);
+envmap::SceneGraph read_scene(const std::string& path, const envmap::ReadOptions& read,
+                              std::optional<bool> allow_missing);
 void add_allow_missing(Options& o, std::optional<bool>& allow_missing);
 
 /// A scene with its environment. What it does not draw has been said.
@@ -73,12 +74,12 @@ struct LoadedScene : envmap::LitScene {
 LoadedScene load(const SceneOptions& options);
 
 /// The first names of nodes, and the command that prints all.
-std::string nodes_in_words(const envmap::Scene& scene);
+std::string nodes_in_words(const envmap::SceneGraph& scene);
 
 /// From where --at says: a node, whose `at` is to be found for each pose and which is left out; a place X,Y,Z; or the
 /// origin.
 /// @throws UsageError where it is neither. @param path of the scene's file.
-envmap::Viewpoint viewpoint_of(const std::string& at, const envmap::Scene& scene, const std::string& path);
+envmap::Viewpoint viewpoint_of(const std::string& at, const envmap::SceneGraph& scene, const std::string& path);
 
 /// A point X,Y,Z, or a name; of nothing nothing.
 std::optional<std::variant<envmap::Direction, std::string>> camera_of(const std::string& text);

@@ -5,8 +5,6 @@
 #include <vector>
 
 #include "envmap/io/formats/json_array.h"
-#include "envmap/prefilter/harmonics.h"
-#include "envmap/prefilter/harmonics_window.h"
 
 namespace envmap {
 namespace {
@@ -47,17 +45,7 @@ std::string gltf(const IrradiancePolynomial& p) {
 }  // namespace
 
 IrradiancePolynomial irradiance_polynomial(const EnvironmentMap& source, const Progress& progress) {
-  Harmonics h = project(source, 2, {.progress = progress});
-  scale_degrees(h, laplacian_window(2, weakest_window(h).lambda));
-  std::vector<double> factors = irradiance_factors(2);
-  for (double& f : factors) f /= pi;
-  scale_degrees(h, factors);
-  // Normalisations of harmonics.h. Their polar axis is Y, here Z: with x^2 + y^2 + z^2 = 1,
-  // a (3y^2 - 1) + b (z^2 - x^2) = (b - a)/2 (3z^2 - 1) - (3a + b)/2 (x^2 - y^2).
-  const std::vector<Flux>& c = h.coefficients;
-  const Flux a = n20 * c[6], b = n22 * c[8];
-  return {n0 * c[0], n1 * c[2],     n1 * c[3], n1 * c[1],           n2 * c[5],
-          n2 * c[7], 0.5 * (b - a), n2 * c[4], -0.5 * (3.0 * a + b)};
+  return shader_sh(source, ShBasis::filament, ShWindow::automatic, {.progress = progress});
 }
 
 std::pair<std::string, std::string> harmonics_pair(IrradianceForm kind, const IrradiancePolynomial& p) {

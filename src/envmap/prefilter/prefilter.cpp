@@ -9,13 +9,13 @@
 #include <cmath>
 #include <limits>
 #include <memory>
-#include <mutex>
 #include <utility>
 
 #include "envmap/base/error.h"
 #include "envmap/base/parallel.h"
 #include "envmap/base/part_progress.h"
 #include "envmap/base/run_operation.h"
+#include "envmap/base/turn.h"
 #include "envmap/map/atlas.h"
 #include "envmap/map/check_chain.h"
 #include "envmap/operate/convert.h"
@@ -110,14 +110,6 @@ Method make_fast(PreparedSource& from, const Prefilter& wanted, const Lobe& lobe
   else
     std::visit(Make{from, error, map}, choice.plan);
   return choice.method;
-}
-
-// The turn of this thread. One that is asked to stop while others take theirs ends at once.
-std::unique_lock<std::timed_mutex> wait_for_turn(std::timed_mutex& in_use, const Progress& progress) {
-  std::unique_lock turn(in_use, std::defer_lock);
-  while (!turn.try_lock_for(std::chrono::milliseconds(20)))
-    if (progress) progress(0);
-  return turn;
 }
 
 // Makes a map. Texels whose bounds exceed the error are summed exactly.

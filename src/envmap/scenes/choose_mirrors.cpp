@@ -10,7 +10,7 @@ namespace envmap {
 namespace {
 
 // A node of the scene that has something to show.
-int mirror_node(const Scene& scene, const MirrorWish& wish) {
+int mirror_node(const SceneGraph& scene, const MirrorWish& wish) {
   const auto node = find_node(scene, wish.node);
   if (!node) throw UsageError(fmt::format("mirror '{}' is no node of the scene: {}", wish.node, list_nodes(scene)));
   const auto all = instances(scene);
@@ -21,7 +21,7 @@ int mirror_node(const Scene& scene, const MirrorWish& wish) {
 
 }  // namespace
 
-std::vector<Mirror> choose_mirrors(const Scene& scene, const std::vector<MirrorWish>& wishes, Projection maps) {
+std::vector<Mirror> choose_mirrors(const SceneGraph& scene, const std::vector<MirrorWish>& wishes, Projection maps) {
   std::vector<Mirror> all;
   std::vector<int> decided;
   for (const MirrorWish& wish : wishes) {

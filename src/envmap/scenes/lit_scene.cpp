@@ -3,17 +3,14 @@
 #include <fmt/format.h>
 
 #include "envmap/base/error.h"
-#include "envmap/scenes/read/read_scene.h"
-#include "envmap/scenes/render/shading/sampled_reflection.h"
+#include "envmap/scenes/render/glossy_levels.h"
 #include "envmap/scenes/scene/skin_and_morph.h"
 
 namespace envmap {
 
-void LitScene::light_by(EnvironmentMap map, int lights, Reflection reflection, const Progress& progress) {
-  auto made = std::make_unique<Environment>(std::move(map), glossy_size, progress, glossy_roughnesses(scene));
-  if (reflection == Reflection::sampled) made->light.sampled = sampled_levels(made->map);
-  environment = std::move(made);
-  if (lights > 0) distant = distant_lights(environment->map, lights);
+void LitScene::light_by(const PreparedEnvironment& by, int lights, Reflection reflection, const Progress& progress) {
+  environment = by.light(glossy_roughnesses(scene), reflection, progress);
+  distant = lights > 0 ? by.distant(lights, progress) : std::vector<DistantLight>{};
 }
 
 std::vector<int> LitScene::move_to(double time) {
@@ -44,21 +41,10 @@ std::vector<std::string> LitScene::remarks(const std::optional<Colour>& ambient)
   return all;
 }
 
-std::vector<std::string> remarks_on(const Scene& scene) {
+std::vector<std::string> remarks_on(const SceneGraph& scene) {
   std::vector<std::string> all = scene.remarks;
   for (const std::string& what : scene.unsupported) all.push_back("not drawn: " + what);
   return all;
-}
-
-LitScene read_lit_scene(const std::string& path, const EnvironmentMap* environment, int lights, Reflection reflection,
-                        double time, const Progress& progress) {
-  LitScene lit{.scene = read_scene(path)};
-  lit.move_to(time);
-  if (environment == nullptr) return lit;
-  EnvironmentMap base{.levels = {}, .forward = environment->forward};
-  base.levels.push_back(environment->base().clone());
-  lit.light_by(std::move(base), lights, reflection, progress);
-  return lit;
 }
 
 }  // namespace envmap

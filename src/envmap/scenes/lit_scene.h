@@ -9,18 +9,19 @@
 
 #include "envmap/base/run.h"
 #include "envmap/scenes/render/shading/distant_lights.h"
+#include "envmap/scenes/render/shading/prepared_environment.h"
 #include "envmap/scenes/render/shading/shading.h"
-#include "envmap/scenes/scene/scene.h"
+#include "envmap/scenes/scene/scene_graph.h"
 
 namespace envmap {
 
 struct LitScene {
-  Scene scene;
-  std::unique_ptr<const Environment> environment = {};  ///< Null: black.
+  SceneGraph scene;
+  std::shared_ptr<const Environment> environment = {};  ///< Null: black.
   std::vector<DistantLight> distant = {};               ///< Of it.
 
   /// @param lights that stand for the environment where shadows are found; 0: it shines through everything.
-  void light_by(EnvironmentMap map, int lights, Reflection reflection, const Progress& progress);
+  void light_by(const PreparedEnvironment& by, int lights, Reflection reflection, const Progress& progress);
 
   /// Puts skins and morph targets where they are then. @return meshes that changed. @throws InputError where nodes are
   /// beyond is_bounded() then.
@@ -36,10 +37,6 @@ struct LitScene {
 };
 
 /// What of the file is missing or not drawn, in sentences.
-std::vector<std::string> remarks_on(const Scene& scene);
-
-/// With its first level, which is copied. @param environment may be null.
-LitScene read_lit_scene(const std::string& path, const EnvironmentMap* environment, int lights, Reflection reflection,
-                        double time, const Progress& progress);
+std::vector<std::string> remarks_on(const SceneGraph& scene);
 
 }  // namespace envmap

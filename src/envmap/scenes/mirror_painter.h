@@ -2,10 +2,11 @@
 /// Pictures of a scene whose mirrors and lenses are drawn through dynamic maps, which stay from frame to frame.
 #pragma once
 
+#include <memory>
+#include <utility>
 #include <vector>
 
 #include "envmap/scenes/lit_scene.h"
-#include "envmap/scenes/render/context.h"
 #include "envmap/scenes/render/mirrors.h"
 #include "envmap/scenes/stereo.h"
 
@@ -29,13 +30,15 @@ struct PaintedMap {
 RenderedFrames draw_through_maps(Renderer& renderer, Mirrors& maps, FrameState shot, const std::vector<Eye>& eyes,
                                  const MirrorOptions& drawing);
 
-/// Makes the OpenGL context that it draws with: it lives in one thread.
+/// Needs a current context, and goes before it.
 class MirrorPainter {
  public:
-  MirrorPainter(ContextKind kind, const LitScene& lit, const std::vector<Mirror>& mirrors)
-      : context_(kind), renderer_(lit.scene, lit.environment.get(), nodes_of(mirrors)), maps_(lit.scene, mirrors) {}
+  /// @param programs that others of the same context share; null: its own.
+  MirrorPainter(const LitScene& lit, const std::vector<Mirror>& mirrors,
+                std::shared_ptr<ProgramCache> programs = nullptr)
+      : renderer_(lit.scene, lit.environment.get(), nodes_of(mirrors), std::move(programs)),
+        maps_(lit.scene, mirrors) {}
 
-  [[nodiscard]] const Context& context() const { return context_; }
   [[nodiscard]] Renderer& renderer() { return renderer_; }
 
   /// draw_through_maps(). @param moved meshes whose vertices are others than in the last shot.
@@ -46,7 +49,6 @@ class MirrorPainter {
   [[nodiscard]] std::vector<PaintedMap> maps() const;
 
  private:
-  Context context_;
   Renderer renderer_;
   Mirrors maps_;
 };

@@ -2,18 +2,16 @@
 
 #include <fmt/format.h>
 
-#include <future>
+#include <optional>
 
 #include "envmap/base/error.h"
 #include "envmap/base/part_progress.h"
 #include "envmap/base/run_operation.h"
 #include "envmap/maths/check_direction.h"
 #include "envmap/scenes/check_drawing.h"
-#include "envmap/scenes/lit_scene.h"
 #include "envmap/scenes/render/choose_drawing.h"
-#include "envmap/scenes/render/context.h"
 #include "envmap/scenes/render/rays/raycast.h"
-#include "envmap/scenes/render/renderer.h"
+#include "envmap/scenes/scene_state.h"
 
 namespace envmap {
 namespace {
@@ -21,7 +19,6 @@ namespace {
 void check(const RenderOptions& o) {
   check_range(limits::size, o.size);
   check_drawing(o, o.method == DrawMethod::raycast);
-  check_place("at", o.at);
   if (o.towards)
     if (const auto* const along = std::get_if<Direction>(&*o.towards)) (void)checked_direction("towards", *along);
   if (!can_draw(o.method, o.to.projection))
@@ -29,15 +26,16 @@ void check(const RenderOptions& o) {
                                  draw_method_names[std::size_t(o.method)], name(o.to.projection)));
 }
 
-Viewpoint viewpoint(const RenderOptions& o, const Scene& scene, const Pose& pose, const std::string& path) {
+Viewpoint viewpoint(const ScenePlace& at, const RenderOptions& o, const SceneGraph& scene, const Pose& pose,
+                    const std::string& path) {
   Viewpoint from{.to = o.to.projection,
                  .size = o.size,
                  .axes = image_to_world(o.to.forward),
                  .near = o.near_metres,
                  .far = o.far_metres,
                  .samples = o.samples};
-  if (const auto* const place = std::get_if<Direction>(&o.at)) from.at = *place;
-  if (const auto* const name = std::get_if<std::string>(&o.at)) {
+  if (const auto* const place = std::get_if<Direction>(&at)) from.at = *place;
+  if (const auto* const name = std::get_if<std::string>(&at)) {
     const auto node = find_node(scene, *name);
     if (!node) throw UsageError(fmt::format("at: '{}' is no node of {}: {}", *name, path, list_nodes(scene)));
     from.without = *node;
@@ -54,33 +52,55 @@ Viewpoint viewpoint(const RenderOptions& o, const Scene& scene, const Pose& pose
   return from;
 }
 
-// In a thread of its own, so that the context that is current in the caller's stays current.
-Drawn draw_by_opengl(const FrameState& shot, const Viewpoint& from, DrawMethod method, ContextKind kind) {
-  const auto drawn = [&] {
-    const Context context(kind);
-    Renderer renderer(shot.scene, shot.environment);
-    return draw(renderer, from, shot, method);
-  };
-  return std::async(std::launch::async, drawn).get();
+DrawMethod method_for(const RenderOptions& o, const FrameState& shot) {
+  if (o.method != DrawMethod::automatic) return o.method;
+  return cheapest(o.to.projection, o.size, draw_load(shot), o.context == ContextKind::automatic);
 }
 
 }  // namespace
 
-RenderedMap render(const std::string& path, const RenderOptions& o, const EnvironmentMap* environment, const Run& run) {
+std::vector<RenderedMap> Scene::maps(std::span<const ScenePlace> at, const RenderOptions& o, const Light* light,
+                                     const Run& run) const {
   check(o);
+  for (const ScenePlace& place : at) check_place("at", place);
+  State& state = *state_;
+  const auto draw_all = [&](const Progress& progress) {
+    constexpr double lighting = 0.5;  // Its share of the progress.
+    state.prepare(light, o.occlusion, Reflection::split_sum, o.time_seconds, part_progress(progress, 0, lighting));
+    const FrameState shot = state.lit.shot(o.time_seconds, o.ambient, o.shadows);
+    const DrawMethod method = method_for(o, shot);
+    std::vector<Viewpoint> viewpoints;
+    for (const ScenePlace& place : at)
+      viewpoints.push_back(viewpoint(place, o, state.lit.scene, shot.pose, state.path));
+    std::vector<RenderedMap> made;
+    for (const Viewpoint& from : viewpoints) {
+      const double share = (1 - lighting) / double(at.size());
+      const Progress of_map = part_progress(progress, lighting + share * double(made.size()), share);
+      Drawn drawn;
+      if (method == DrawMethod::raycast)
+        drawn = raycast(shot, from, {}, of_map);
+      else
+        state.drawing_with(o.context).run(
+            [&](DrawingSession& session) { drawn = draw(state.renderer(session), from, shot, method); }, of_map);
+      if (of_map) of_map(1);
+      drawn.radiance.forward = o.towards ? Forward::plus_z : o.to.forward;
+      made.push_back({std::move(drawn.radiance), method, drawn.missing_solid_angle, state.lit.remarks(o.ambient)});
+    }
+    return made;
+  };
   return run_operation(run, [&](const Progress& progress) {
-    const LitScene lit = read_lit_scene(path, environment, o.occlusion, Reflection::split_sum, o.time_seconds,
-                                        part_progress(progress, 0, 0.5));
-    const FrameState shot = lit.shot(o.time_seconds, o.ambient, o.shadows);
-    const Viewpoint from = viewpoint(o, lit.scene, shot.pose, path);
-    const DrawMethod method = o.method == DrawMethod::automatic ? cheapest(o.to.projection, o.size, draw_load(shot),
-                                                                           o.context == ContextKind::automatic)
-                                                                : o.method;
-    Drawn drawn = method == DrawMethod::raycast ? raycast(shot, from, {}, part_progress(progress, 0.5, 0.5))
-                                                : draw_by_opengl(shot, from, method, o.context);
-    drawn.radiance.forward = o.towards ? Forward::plus_z : o.to.forward;
-    return RenderedMap{std::move(drawn.radiance), method, drawn.missing_solid_angle, lit.remarks(o.ambient)};
+    return state.in_turn(progress, [&] { return draw_all(progress); });
   });
+}
+
+RenderedMap Scene::map(const RenderOptions& o, const Light* light, const Run& run) const {
+  return std::move(maps({&o.at, 1}, o, light, run).front());
+}
+
+RenderedMap render(const std::string& path, const RenderOptions& o, const EnvironmentMap* environment, const Run& run) {
+  check(o);  // Before reading takes its time.
+  return lit_by(environment, run,
+                [&](const Light* light, const Run& rest) { return Scene::read(path).map(o, light, rest); });
 }
 
 }  // namespace envmap

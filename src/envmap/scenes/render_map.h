@@ -14,12 +14,14 @@
 
 namespace ENVMAP_EXPORT envmap {
 
+/// Where a map is drawn from: a point of the scene, or the name of a node, which is then left out.
+using ScenePlace = std::variant<Direction, std::string>;
+
 struct RenderOptions {
   Frame to{Projection::cube};  ///< Its axis, of latlong and angular maps, is an axis of the scene.
   int size = 256;              ///< Height of a face.
   int samples = 1;             ///< Rays a texel, 1 to 1024.
-  /// The centre of the map: a point of the scene, or the name of a node, which is then left out.
-  std::variant<Direction, std::string> at = Direction(0);
+  ScenePlace at = Direction(0);  ///< The centre of the map.
   /// What the map's +Z looks at: a direction of the scene, or the name of a node or "camera". Absent: the scene's +Z.
   std::optional<std::variant<Direction, std::string>> towards = {};
   double near_metres = 0.01, far_metres = 1000;  ///< Nothing nearer or further is drawn.
@@ -39,7 +41,8 @@ struct RenderedMap {
   std::vector<std::string> remarks;  ///< What of the file is not drawn, and whether the map is black, in sentences.
 };
 
-/// Draws the map of a glTF or OBJ file. OpenGL has a thread and a context of its own: the caller's stay as they are.
+/// Draws one map of a glTF or OBJ file: for several, keep a Scene and a Light (scene.h). OpenGL has a thread and a
+/// context of its own: the caller's stay as they are.
 /// @param environment what lies behind the scene and lights it; null: black.
 /// @throws InputError where the file cannot be read, UsageError where an option is out of its range or names what the
 /// scene has not, RendererError where there is nothing to draw with.

@@ -1,6 +1,5 @@
 #include "envmap/scenes/view.h"
 
-#include <future>
 #include <optional>
 
 #include "envmap/base/error.h"
@@ -9,9 +8,9 @@
 #include "envmap/scenes/check_drawing.h"
 #include "envmap/scenes/choose_maps.h"
 #include "envmap/scenes/choose_mirrors.h"
-#include "envmap/scenes/lit_scene.h"
 #include "envmap/scenes/mirror_painter.h"
 #include "envmap/scenes/render/rays/raycast.h"
+#include "envmap/scenes/scene_state.h"
 #include "envmap/scenes/viewpoints.h"
 
 namespace envmap {
@@ -63,13 +62,13 @@ void cast(const ViewSession& s, const Progress& progress, ViewedScene& viewed) {
                       {nodes_of(s.mirrors), o.bounces.value_or(max_rounds), o.far_metres, o.lobe_samples}, progress);
 }
 
-// @return whether maps are good enough.
-bool paint(ViewSession& s, ViewedScene& viewed) {
+// @param drawn_with its context is current. @return whether maps are good enough.
+bool paint(ViewSession& s, DrawingSession& drawn_with, ViewedScene& viewed) {
   const ViewOptions& o = s.options;
   MirrorOptions drawing{
       .size = o.map_size, .largest = o.largest_map, .bounces = o.bounces, .near = o.near_metres, .far = o.far_metres};
   s.shot.look.lookup = o.lookup;
-  MirrorPainter painter(o.context, s.lit, s.mirrors);
+  MirrorPainter painter(s.lit, s.mirrors, drawn_with.programs);
   if (o.max_error && (!s.mirrors.empty() || o.lobe_samples > 0)) {
     const MapChoice choice =
         choose_maps(painter.renderer(), s.mirrors, {{s.shot, s.eye}}, drawing, *o.max_error, o.lobe_samples);
@@ -88,24 +87,36 @@ bool paint(ViewSession& s, ViewedScene& viewed) {
 
 }  // namespace
 
-ViewedScene view(const std::string& path, const ViewOptions& o, const EnvironmentMap* environment, const Run& run) {
+ViewedScene Scene::view(const ViewOptions& o, const Light* light, const Run& run) const {
   check(o);
-  return run_operation(run, [&](const Progress& progress) {
-    const LitScene lit =
-        read_lit_scene(path, environment, o.occlusion, o.reflection, o.time_seconds, part_progress(progress, 0, 0.5));
+  State& state = *state_;
+  const auto draw = [&](const Progress& progress) {
+    state.prepare(light, o.occlusion, o.reflection, o.time_seconds, part_progress(progress, 0, 0.5));
+    const LitScene& lit = state.lit;
     const std::vector<Mirror> mirrors = choose_mirrors(lit.scene, o.mirrors, o.maps);
     const FrameState shot = lit.shot(o.time_seconds, o.ambient, o.shadows);
     const Viewpoints viewpoints({o.camera, o.look_at, o.vertical_field_degrees}, double(o.width) / o.height, lit.scene,
-                                path, shot.pose);
+                                state.path, shot.pose);
     ViewSession sitting{o, lit, mirrors, shot, eye_of({o.width, o.height, o.samples}, viewpoints.view(shot.pose, 0))};
     ViewedScene viewed{.width = o.width, .height = o.height, .radiance = {}, .mirrors = {}, .remarks = {}};
     bool by_rays = o.method == ViewMethod::raycast;
-    // OpenGL in a thread of its own, so that the context that is current in the caller's stays current.
-    if (!by_rays) by_rays = !std::async(std::launch::async, [&] { return paint(sitting, viewed); }).get();
-    if (by_rays) cast(sitting, part_progress(progress, 0.5, 0.5), viewed);
+    const Progress drawing = part_progress(progress, 0.5, 0.5);
+    if (!by_rays)
+      state.drawing_with(o.context).run([&](DrawingSession& session) { by_rays = !paint(sitting, session, viewed); },
+                                        drawing);
+    if (by_rays) cast(sitting, drawing, viewed);
     viewed.remarks = lit.remarks(o.ambient);
     return viewed;
+  };
+  return run_operation(run, [&](const Progress& progress) {
+    return state.in_turn(progress, [&] { return draw(progress); });
   });
+}
+
+ViewedScene view(const std::string& path, const ViewOptions& o, const EnvironmentMap* environment, const Run& run) {
+  check(o);  // Before reading takes its time.
+  return lit_by(environment, run,
+                [&](const Light* light, const Run& rest) { return Scene::read(path).view(o, light, rest); });
 }
 
 }  // namespace envmap

@@ -73,7 +73,8 @@ struct ViewedScene {
   std::vector<std::string> remarks;   ///< What of the file is not drawn, and whether it is black, in sentences.
 };
 
-/// Draws a picture of a glTF or OBJ file. OpenGL has a thread and a context of its own: the caller's stay as they are.
+/// Draws one picture of a glTF or OBJ file: for several, keep a Scene and a Light (scene.h). OpenGL has a thread and a
+/// context of its own: the caller's stay as they are.
 /// @param environment what lies behind the scene and lights it; null: black.
 /// @throws InputError where the file cannot be read, UsageError where an option is out of its range or names what the
 /// scene has not, RendererError where there is nothing to draw with.

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double default_field = 40;  // Degrees.
 
-const Camera& camera_named(const std::string& name, const Scene& scene, const std::string& path) {
+const Camera& camera_named(const std::string& name, const SceneGraph& scene, const std::string& path) {
   for (const Camera& camera : scene.cameras)
     if (camera.name == name || scene.nodes[std::size_t(camera.node)].name == name) return camera;
   std::vector<std::string> names;
@@ -22,7 +22,7 @@ const Camera& camera_named(const std::string& name, const Scene& scene, const st
 
 }  // namespace
 
-Viewpoints::Viewpoints(const ViewpointOptions& options, double aspect, const Scene& scene, const std::string& path,
+Viewpoints::Viewpoints(const ViewpointOptions& options, double aspect, const SceneGraph& scene, const std::string& path,
                        const Pose& first)
     : look_at_(options.look_at),
       scene_(scene),

@@ -6,7 +6,7 @@
 #include <variant>
 
 #include "envmap/scenes/scene/camera.h"
-#include "envmap/scenes/scene/scene.h"
+#include "envmap/scenes/scene/scene_graph.h"
 
 namespace envmap {
 
@@ -22,7 +22,7 @@ struct ViewpointOptions {
 class Viewpoints {
  public:
   // @param aspect width over height. @param path of the scene's file. @param first where things are at the start.
-  Viewpoints(const ViewpointOptions& options, double aspect, const Scene& scene, const std::string& path,
+  Viewpoints(const ViewpointOptions& options, double aspect, const SceneGraph& scene, const std::string& path,
              const Pose& first);
 
   // Whether the scene has no camera, and none was given.
@@ -36,7 +36,7 @@ class Viewpoints {
   [[nodiscard]] View camera_view(const Pose& pose) const;
 
   std::optional<Direction> look_at_;
-  const Scene& scene_;
+  const SceneGraph& scene_;
   std::string path_;
   double orbit_;
   Ball ball_;

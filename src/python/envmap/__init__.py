@@ -7,6 +7,7 @@
     envmap.write("diffuse.exr", diffuse, depth="half")
     light = envmap.lookup(cube, [(0, 1, 0), (0, 0, 1)])                 # radiance from directions
     seen = envmap.render("room.glb", "latlong", at="Ball", environment=probe)
+    maps = envmap.Scene("room.glb").maps([(0, 1, 0), (2, 1, 0)], environment=envmap.Light(probe))   # read and prepared once
 
 Radiance is linear RGB, float32. The frame is right-handed, +Y up, +Z at the centre of latlong images. Sizes are heights of a face in
 texels, angles are degrees. Functions never change what they are given. Other Python threads run meanwhile.
@@ -32,17 +33,18 @@ from ._light import Lookup, Prefiltered, brdf_table, irradiance, level_roughness
 from ._map import Claim, Map, MapLike, Source
 from ._operations import Difference, Info, compare, convert, directions, info, mipmap, photograph, repair, solid_angles
 from ._preview import png, preview
-from ._scenes import Picture, render, view
+from ._scenes import IrradianceGrid, Light, Picture, RenderedMap, Scene, render, view
 from ._words import (Context, Depth, DrawMethod, Filter, Forward, Kind, Layout, Lens, Lobe, Method, Mirror, MirrorMap, Orientation, PixelFormat,
                      Projection, Quality, Reflection, Scattering, ShBasis, ToneCurve, ViewMethod, Weights, Window)
 
 __version__: str = _envmap.__version__
 _os.register_at_fork(before=_envmap.before_fork)
 
-__all__ = ["AccuracyError", "ArgumentError", "Claim", "Difference", "Error", "Info", "InputError", "Lookup", "Map", "OutputError", "Picture",
-           "Prefiltered", "RendererError", "Source", "UsageError", "__version__", "bake", "brdf_table", "compare", "convert", "directions",
-           "encode", "engines", "generate", "info", "irradiance", "level_roughnesses", "limit_threads", "lookup", "mipmap", "pack", "photograph",
-           "png", "prefilter", "preview", "read", "render", "repair", "sh", "shader_sh", "solid_angles", "view", "write",
+__all__ = ["AccuracyError", "ArgumentError", "Claim", "Difference", "Error", "Info", "InputError", "IrradianceGrid", "Light", "Lookup",
+           "Map", "OutputError", "Picture", "Prefiltered", "RenderedMap", "RendererError", "Scene", "Source", "UsageError", "__version__",
+           "bake", "brdf_table", "compare", "convert", "directions", "encode", "engines", "generate", "info", "irradiance",
+           "level_roughnesses", "limit_threads", "lookup", "mipmap", "pack", "photograph", "png", "prefilter", "preview", "read", "render",
+           "repair", "sh", "shader_sh", "solid_angles", "view", "write",
            # Types of arguments, for annotations.
            "Context", "Depth", "DrawMethod", "Filter", "Forward", "Kind", "Layout", "Lens", "Lobe", "MapLike", "Method", "Mirror", "MirrorMap",
            "Orientation", "Path", "PixelFormat", "Place", "Progress", "Projection", "Quality", "Reflection", "Scattering", "ShBasis",

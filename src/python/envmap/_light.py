@@ -208,19 +208,6 @@ def sh(map: AnyMap, order: Whole = 2, *, irradiance: bool = False, window: Windo
     return _envmap.sh(core_of(map), order, irradiance, window, progress)  # type: ignore[no-any-return]
 
 
-# Constants of orthonormal harmonics before 1; x, y, z; xy, yz, zx; 3z^2 - 1; x^2 - y^2.
-_N0, _N1, _N2, _N20, _N22 = (numpy.sqrt(x / numpy.pi) for x in (1 / 4, 3 / 4, 15 / 4, 5 / 16, 15 / 16))
-
-
-def _with_polar_z(h: NDArray[numpy.float64]) -> NDArray[numpy.float64]:
-    """From the polar axis +Y of sh() to +Z: 1, y, z, x, xy, yz, 3z^2 - 1, zx, x^2 - y^2.
-
-    a (3y^2 - 1) + b (z^2 - x^2) = (b - a)/2 (3z^2 - 1) - (3a + b)/2 (x^2 - y^2) for x^2 + y^2 + z^2 = 1.
-    """
-    a, b = _N20 * h[6], _N22 * h[8]
-    return numpy.stack([h[0], h[2], h[3], h[1], h[5], h[7], (b - a) / 2 / _N20, h[4], -(3 * a + b) / 2 / _N22])
-
-
 @public
 def shader_sh(map: AnyMap, basis: ShBasis = "three", *, window: Window = "auto", progress: Progress = None) -> NDArray[numpy.float64]:
     """Returns the nine colours that a shader takes for diffuse light.
@@ -233,7 +220,7 @@ def shader_sh(map: AnyMap, basis: ShBasis = "three", *, window: Window = "auto",
         'three' (default): LightProbe.sh.coefficients of three.js. 'ramamoorthi': L00, L1-1, L10, L11, L2-2, L2-1, L20, L21, L22 of
         Ramamoorthi and Hanrahan 2001, which three.js uses, too. Both are radiance: the shader multiplies by the factors of the cosine.
         'filament': IndirectLight::Builder::irradiance(3, sh), the factors before 1, y, z, x, xy, yz, 3z^2 - 1, zx and x^2 - y^2 of
-        irradiance / pi.
+        irradiance / pi. 'godot': light probes of Godot's LightmapGI, radiance / pi.
     window : str, optional
         Reduces ringing: 'auto' (default), the weakest that keeps irradiance above 0, 'hann' or 'none'.
     progress : function, optional
@@ -258,13 +245,7 @@ def shader_sh(map: AnyMap, basis: ShBasis = "three", *, window: Window = "auto",
     >>> round(float(envmap.shader_sh(white, "filament")[0, 0]), 6)     # Irradiance / pi of white.
     1.0
     """
-    if basis not in ("three", "filament", "ramamoorthi"):
-        raise UsageError(f"basis {basis!r} is none of three, filament, ramamoorthi")
-    coefficients = _with_polar_z(_envmap.sh(core_of(map), 2, basis == "filament", window, progress))
-    if basis != "filament":
-        return coefficients
-    scale = numpy.array([_N0, _N1, _N1, _N1, _N2, _N2, _N20, _N2, _N22]) / numpy.pi
-    return coefficients * scale[:, None]
+    return _envmap.shader_sh(core_of(map), basis, window, progress)  # type: ignore[no-any-return]
 
 
 def _directions(given: object) -> NDArray[Any]:

@@ -20,6 +20,7 @@
 #include "envmap/engine/bake.h"
 #include "envmap/engine/engines.h"
 #include "maps/depfile.h"
+#include "scenes/place_files.h"
 #include "scenes/scene_options.h"
 
 namespace tools {
@@ -208,6 +209,14 @@ const Engine& engine_of(const std::string& where, const Options& options) {
   throw UsageError(where + ": needs --for ENGINE");
 }
 
+Texts files_of_places(const std::string& where, const std::string& output, const Texts& places) {
+  try {
+    return place_files(output, places);
+  } catch (const UsageError& e) {
+    throw UsageError(where + ": " + e.what());
+  }
+}
+
 Job job_of(const std::string& where, const Texts& words) {
   Job job{where, words, {}, {}};
   check_writes(where, words.front());
@@ -223,7 +232,10 @@ Job job_of(const std::string& where, const Texts& words) {
     if (word != "-" && std::ranges::find(named, word) != named.end()) word = plain_path(word);
   for (const std::string& folder : options.named(File::folder))
     for (const std::string& file : files_of(engine_of(where, options))) add(job.outputs, folder + "/" + file, "");
-  for (const std::string& name : options.named(File::output)) add(job.outputs, name, options.last("--faces"));
+  const Texts places = options.has("--at") ? parsed.options["--at"].given : Texts{};
+  for (const std::string& output : options.named(File::output))
+    for (const std::string& name : files_of_places(where, output, places))
+      add(job.outputs, name, options.last("--faces"));
   for (const std::string& name : options.named(File::input)) add(job.inputs, name, options.last("--from-faces"));
   if (options.given("--depfile")) throw UsageError(where + ": remove --depfile: a batch has its own");
   if (job.outputs.empty() || is_numbered(job.outputs.front()))

@@ -49,13 +49,14 @@ std::vector<std::byte> standard_input() {
 
 SceneFolder::SceneFolder(const std::string& scene) : folder_(fs::path(scene).parent_path()) {
   std::error_code error;
-  allowed_.push_back(fs::canonical(folder_.empty() ? "." : folder_, error));
+  allowed_.push_back(fs::canonical(folder_.empty() ? "." : folder_, error));  // An empty path, if there is none.
   allowed_.push_back(fs::canonical(scene, error).parent_path());
 }
 
 fs::path SceneFolder::file(const std::string& name, const fs::path& below) const {
   // The system would end the name there, and open another.
   if (name.find('\0') != name.npos) throw InputError("names no file");
+  if (allowed_.empty()) throw InputError("is a file that a scene in memory names: give the folder that it lies in");
   std::error_code error;
   const fs::path path = folder_ / below / name, real = fs::weakly_canonical(fs::absolute(path, error), error);
   const auto holds = [&](const fs::path& folder) {

@@ -29,6 +29,8 @@ std::vector<std::byte> standard_input();
 class SceneFolder {
  public:
   explicit SceneFolder(const std::string& scene);
+  /// Of a scene in memory, which has none: file() throws.
+  SceneFolder() = default;
 
   /// Where the file of that name is. @param below a folder in this one that the name is relative to.
   /// @throws InputError, without the name, where it leads out of the folder.

@@ -13,7 +13,6 @@
 
 #include "envmap/base/error.h"
 #include "envmap/base/parallel.h"
-#include "envmap/io/formats/key_values.h"
 #include "envmap/io/images/bands.h"
 #include "envmap/io/write_plan.h"
 
@@ -274,6 +273,9 @@ struct LevelIndex {
   std::uint64_t offset, size, plain_size;
 };
 
+// KHR_DF_PRIMARIES_BT709.
+constexpr std::uint8_t rec709_primaries = 1;
+
 enum Scheme : std::uint32_t { plain = 0, zstandard = 2 };
 
 // ---- data format descriptor -----------------------------------------------------------------------------------------
@@ -418,6 +420,34 @@ void write_ktx2(OutputFile& file, std::span<const Atlas> levels, const TexturePl
   file.put(index.data(), index.size() * sizeof(LevelIndex));
   file.put(dfd.data(), h.dfd_size);
   file.put(kvd.data(), kvd.size());
+}
+
+void write_ktx2_volume(OutputFile& file, const HalfVolume& volume, const KeyValues& pairs) {
+  const TexelFormat& format = format_of(Texels::rgba16f);
+  const Words dfd = descriptor(format, {.primaries = rec709_primaries, .transfer = khr_linear});
+  const std::string kvd = key_value_bytes(pairs);
+  Ktx2Header h{};
+  std::ranges::copy(ktx2_mark, h.identifier.begin());
+  h.vk_format = format.vulkan;
+  h.type_size = format.type_size;
+  h.width = std::uint32_t(volume.width);
+  h.height = std::uint32_t(volume.height);
+  h.depth = std::uint32_t(volume.depth);
+  h.faces = h.levels = 1;
+  h.dfd_offset = std::uint32_t(sizeof(Ktx2Header) + sizeof(LevelIndex));
+  h.dfd_size = std::uint32_t(4 * dfd.size());
+  h.kvd_offset = h.dfd_offset + h.dfd_size;
+  h.kvd_size = std::uint32_t(kvd.size());
+  const auto align = std::uint64_t(format.bytes);
+  const std::uint64_t start = (h.kvd_offset + h.kvd_size + align - 1) / align * align,
+                      size = volume.texels.size_bytes();
+  const LevelIndex index{start, size, size};
+  file.put(&h, sizeof h);
+  file.put(&index, sizeof index);
+  file.put(dfd.data(), h.dfd_size);
+  file.put(kvd.data(), kvd.size());
+  file.seek(std::int64_t(start));
+  file.put(volume.texels.data(), size);
 }
 
 TextureFile open_ktx2(const InputFile& file) {

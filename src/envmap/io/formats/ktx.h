@@ -4,11 +4,13 @@
 /// damaged or holds what is not read.
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <string_view>
 
 #include "envmap/base/run.h"
 #include "envmap/io/files/output_file.h"
+#include "envmap/io/formats/key_values.h"
 #include "envmap/io/texels/texture_file.h"
 #include "envmap/map/atlas.h"
 
@@ -23,6 +25,13 @@ inline constexpr std::string_view ktx2_mark{"\xabKTX 20\xbb\r\n\x1a\n", 12};
 
 /// The smallest level first in the file, with KTXorientation "rd".
 void write_ktx2(OutputFile& file, std::span<const Atlas> levels, const TexturePlan& plan, const Progress& progress);
+
+/// A volume of half RGBA texels: rows, one slice of them behind the other.
+struct HalfVolume {
+  int width, height, depth;
+  std::span<const std::uint16_t> texels;  ///< Four numbers each.
+};
+void write_ktx2_volume(OutputFile& file, const HalfVolume& volume, const KeyValues& pairs);
 
 /// Not read: other texel formats, arrays, volumes, supercompression other than Zstandard.
 TextureFile open_ktx2(const InputFile& file);

@@ -6,7 +6,7 @@
 #include <optional>
 #include <span>
 
-#include "envmap/scenes/scene/scene.h"
+#include "envmap/scenes/scene/scene_graph.h"
 
 namespace envmap {
 

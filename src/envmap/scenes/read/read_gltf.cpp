@@ -20,7 +20,7 @@
 #include "envmap/scenes/read/draco.h"
 #include "envmap/scenes/read/read_texture.h"
 #include "envmap/scenes/scene/mesh.h"
-#include "envmap/scenes/scene/scene.h"
+#include "envmap/scenes/scene/scene_graph.h"
 #include "envmap/scenes/scene/skin_and_morph.h"
 #include "envmap/scenes/scene/tangents.h"
 
@@ -49,7 +49,7 @@ struct GltfReader {
   const GltfDocument& document;
   std::uint64_t pixels_left;   ///< Of textures.
   bool allow_missing = false;  ///< As read_scene() has it.
-  Scene scene = {};
+  SceneGraph scene = {};
   std::vector<std::vector<int>> meshes = {};                  ///< Of scene.meshes, for each mesh of the document.
   std::map<int, Deformation> shapes = {};                     ///< Of scene.meshes that move.
   std::vector<TextureTransform> transforms = {};              ///< Of each material's textures.
@@ -115,7 +115,7 @@ std::vector<Animation::Key<T>> read_keys(const GltfDocument& document, const Fie
   return keys;
 }
 
-void read_weights(const GltfDocument& document, const Field& sampler, int node, Scene& scene) {
+void read_weights(const GltfDocument& document, const Field& sampler, int node, SceneGraph& scene) {
   for (Deformation& d : scene.deformations)
     if (d.node == node && !d.targets.empty()) {
       if (!d.keys.empty()) return note_once(scene.unsupported, "several animations of one node");
@@ -133,7 +133,7 @@ NodeTransform node_transform(const Field& node) {
 
 /// All animations into scene.motions. @param placed where in scene.nodes each node of the document is; -1:
 /// not in the scene.
-void read_motions(const GltfDocument& document, std::span<const int> placed, Scene& scene) {
+void read_motions(const GltfDocument& document, std::span<const int> placed, SceneGraph& scene) {
   const Field animations = document.root()["animations"], nodes = document.root()["nodes"];
   std::map<int, Animation> moving;  // By node of the scene.
   for (std::size_t a = 0; a < animations.size(); ++a) {
@@ -393,7 +393,7 @@ std::valarray<double> weights_of(const GltfDocument& document, const Field& node
 
 /// What moves the vertices of a primitive, as the file numbers them; `rest` is not there yet.
 /// @param vertices as many as it has.
-Deformation read_shape(const GltfDocument& document, const Field& primitive, std::size_t vertices, Scene& scene) {
+Deformation read_shape(const GltfDocument& document, const Field& primitive, std::size_t vertices, SceneGraph& scene) {
   const Field targets = primitive["targets"], attributes = primitive["attributes"];
   Deformation shape;
   shape.flat = !attributes["NORMAL"].there();
@@ -428,7 +428,7 @@ void finish_shape(Deformation& shape, const std::vector<std::uint32_t>& before, 
 /// @param placed where in scene.nodes each node of the document is; -1: not in the scene.
 /// @param shapes by mesh of the scene.
 void read_deformations(const GltfDocument& document, std::span<const int> placed,
-                       const std::map<int, Deformation>& shapes, Scene& scene) {
+                       const std::map<int, Deformation>& shapes, SceneGraph& scene) {
   const Field nodes = document.root()["nodes"];
   std::map<int, int> users;  // Of each mesh: nodes that still show it.
   for (const Node& node : scene.nodes)
@@ -475,7 +475,7 @@ std::vector<std::uint32_t> corners(const GltfDocument& document, const Field& ac
 }
 
 // Triangles of a list, a strip or a fan (specification, 3.7.2.1).
-std::vector<std::uint32_t> triangles(std::vector<std::uint32_t> v, const Field& primitive, Scene& scene) {
+std::vector<std::uint32_t> triangles(std::vector<std::uint32_t> v, const Field& primitive, SceneGraph& scene) {
   const std::size_t mode = primitive["mode"].index(7, 4);
   if (mode == 4) {
     // No program draws a triangle that is not whole.
@@ -763,8 +763,8 @@ void check_extensions(GltfReader& r) {
 
 }  // namespace
 
-Scene read_gltf(std::span<const std::byte> file, const SceneFolder& folder, std::uint64_t max_pixels,
-                bool allow_missing) {
+SceneGraph read_gltf(std::span<const std::byte> file, const SceneFolder& folder, std::uint64_t max_pixels,
+                     bool allow_missing) {
   const GltfDocument document = open_gltf(file, folder);
   GltfReader r{document, max_pixels, allow_missing};
   r.scene.files = document.files;

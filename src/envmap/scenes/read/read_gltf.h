@@ -7,12 +7,12 @@
 #include <span>
 
 #include "envmap/io/files/scene_folder.h"
-#include "envmap/scenes/scene/scene.h"
+#include "envmap/scenes/scene/scene_graph.h"
 
 namespace envmap {
 
 /// @throws InputError without the name of the file.
-Scene read_gltf(std::span<const std::byte> file, const SceneFolder& folder, std::uint64_t max_pixels,
-                bool allow_missing = false);
+SceneGraph read_gltf(std::span<const std::byte> file, const SceneFolder& folder, std::uint64_t max_pixels,
+                     bool allow_missing = false);
 
 }  // namespace envmap

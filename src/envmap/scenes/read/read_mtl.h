@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "envmap/scenes/scene/scene.h"
+#include "envmap/scenes/scene/scene_graph.h"
 
 namespace envmap {
 
@@ -21,7 +21,7 @@ struct MtlMap {
 struct MtlMaterial {
   Material material;
   MtlMap colour, emission;
-  std::vector<std::string> unsupported;  ///< As Scene::unsupported.
+  std::vector<std::string> unsupported;  ///< As SceneGraph::unsupported.
 };
 
 /// The materials of a file by name. Kd and Ke are taken as they are, Pm and Pr, too. Without Pr Phong's exponent Ns

@@ -192,7 +192,7 @@ struct Listed {
 
 struct Materials {
   const SceneFolder& folder;
-  Scene& scene;
+  SceneGraph& scene;
   std::uint64_t pixels_left;
   bool allow_missing;
   bool lacks_library = false;  // It has been said that materials are white.
@@ -290,7 +290,7 @@ Material material(Materials& m, const std::string& name) {
 
 // Those that faces use, in the order of their names in the document, then a white one where faces have none.
 void read_materials(const ObjDocument& d, const SceneFolder& folder, std::uint64_t max_pixels, bool allow_missing,
-                    Scene& scene) {
+                    SceneGraph& scene) {
   Materials m{folder, scene, max_pixels, allow_missing};
   for (const std::string& line : d.libraries) read_libraries(m, line);
   for (const std::string& name : d.materials) {
@@ -379,7 +379,7 @@ void add_face(const ObjDocument& d, const Face& face, Part& part) {
 }
 
 // A node for each group with faces, a mesh for each of its materials.
-void read_faces(const ObjDocument& d, Scene& scene) {
+void read_faces(const ObjDocument& d, SceneGraph& scene) {
   std::map<std::pair<int, int>, Part> parts;
   for (const Face& face : d.faces) add_face(d, face, parts[{face.group, face.material}]);
   int last = -2;
@@ -396,10 +396,10 @@ void read_faces(const ObjDocument& d, Scene& scene) {
 
 }  // namespace
 
-Scene read_obj(std::span<const std::byte> file, const SceneFolder& folder, std::uint64_t max_pixels,
-               bool allow_missing) {
+SceneGraph read_obj(std::span<const std::byte> file, const SceneFolder& folder, std::uint64_t max_pixels,
+                    bool allow_missing) {
   ObjDocument document = read_obj_text(text_of(file));
-  Scene scene;
+  SceneGraph scene;
   for (const std::string& what : document.unsupported) note_once(scene.unsupported, what);
   read_materials(document, folder, max_pixels, allow_missing, scene);
   add_normals(document);

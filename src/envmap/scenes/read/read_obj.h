@@ -11,7 +11,7 @@
 
 #include "envmap/io/files/scene_folder.h"
 #include "envmap/maths/vector.h"
-#include "envmap/scenes/scene/scene.h"
+#include "envmap/scenes/scene/scene_graph.h"
 
 namespace envmap {
 
@@ -36,7 +36,7 @@ struct ObjDocument {
   std::vector<Face> faces;
   std::vector<std::string> groups, materials;  ///< Names, each once.
   std::vector<std::string> libraries;          ///< What mtllib names, a line each.
-  std::vector<std::string> unsupported;        ///< As Scene::unsupported.
+  std::vector<std::string> unsupported;        ///< As SceneGraph::unsupported.
 };
 
 /// @throws InputError("line N: ...") where the text is no sound OBJ file.
@@ -44,9 +44,9 @@ ObjDocument read_obj_text(std::string_view text);
 
 /// Polygons, as triangles; a node for each name of `o` and `g`. Where a face has no normals they are made: smooth
 /// within a smoothing group, weighted by the angles at a corner (Thuermer and Wuethrich 1998), else those of the face.
-/// Materials as read_mtl() says; white where a file has none, or its .mtl is missing, which Scene::remarks says.
+/// Materials as read_mtl() says; white where a file has none, or its .mtl is missing, which SceneGraph::remarks says.
 /// @throws InputError without the name of the file.
-Scene read_obj(std::span<const std::byte> file, const SceneFolder& folder, std::uint64_t max_pixels,
-               bool allow_missing = false);
+SceneGraph read_obj(std::span<const std::byte> file, const SceneFolder& folder, std::uint64_t max_pixels,
+                    bool allow_missing = false);
 
 }  // namespace envmap

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "envmap/scenes/scene/scene.h"
+#include "envmap/scenes/scene/scene_graph.h"
 
 namespace envmap {
 

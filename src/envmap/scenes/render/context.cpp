@@ -12,6 +12,7 @@
 #include <cstring>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <vector>
 
 #include "envmap/base/error.h"
@@ -124,6 +125,12 @@ struct Egl {
   }
 };
 
+// How many contexts are open on a display, which is the process's: the last one closes it.
+int& contexts_on(EGLDisplay display) {
+  static std::map<EGLDisplay, int> counts;
+  return counts[display];
+}
+
 template <class Base>
 struct EglContext : Base {
   Egl egl;
@@ -134,6 +141,7 @@ struct EglContext : Base {
       : egl(library), display(egl.display(platform, device, nullptr)) {
     if (display == EGL_NO_DISPLAY || egl.initialize(display, nullptr, nullptr) != EGL_TRUE)
       throw RendererError("EGL opens no display of this kind");
+    ++contexts_on(display);
     constexpr std::array<EGLint, 7> wanted{
         EGL_CONTEXT_MAJOR_VERSION,           4,       EGL_CONTEXT_MINOR_VERSION, 5, EGL_CONTEXT_OPENGL_PROFILE_MASK,
         EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT, EGL_NONE};
@@ -151,7 +159,7 @@ struct EglContext : Base {
   void close() {
     egl.make_current(display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
     if (context != EGL_NO_CONTEXT) egl.destroy(display, context);
-    egl.terminate(display);
+    if (--contexts_on(display) == 0) egl.terminate(display);
   }
 };
 
@@ -202,13 +210,29 @@ std::string text_of(GLenum name) { return reinterpret_cast<const char*>(glGetStr
 
 }  // namespace
 
+namespace {
+
+// Whose functions GL's are.
+GLADloadfunc loaded_by = nullptr;
+
+bool load(GLADloadfunc loader) {
+  loaded_by = loader;
+  return gladLoadGL(loader) != 0;
+}
+
+}  // namespace
+
+void Context::load_functions() const {
+  if (handle_->loader() != loaded_by) load(handle_->loader());
+}
+
 Context::Context(ContextKind kind) {
   std::string reasons;
   const auto opens = [&](const char* through, auto open) {
     handle_.reset();
     try {
       handle_ = open();
-      if (gladLoadGL(handle_->loader()) == 0) throw RendererError("no functions of OpenGL");
+      if (!load(handle_->loader())) throw RendererError("no functions of OpenGL");
     } catch (const RendererError& e) {
       reasons += fmt::format("{} ({})", reasons.empty() ? through : fmt::format(" or {}", through), e.what());
       return false;

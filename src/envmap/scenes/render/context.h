@@ -15,7 +15,7 @@ namespace envmap {
 bool finds_graphics_card();
 
 /// Current on the thread that made it, from then on; nothing of GL may be called on another one. GL's functions (gl.h)
-/// belong to the context made last, so there is one at a time.
+/// belong to the context made last: where there are several, one draws at a time, after load_functions().
 class Context {
  public:
   /// @param kind `automatic`: a graphics card through EGL, else OSMesa, else the processor through EGL.
@@ -26,6 +26,9 @@ class Context {
   /// The library, and what GL says of the renderer and its version.
   [[nodiscard]] const std::string& renderer() const { return renderer_; }
   [[nodiscard]] bool on_processor() const { return on_processor_; }  ///< llvmpipe or softpipe.
+
+  /// Takes GL's functions for this context again, if another one's were loaded meanwhile.
+  void load_functions() const;
 
  private:
   struct Handle;

@@ -9,14 +9,14 @@
 
 namespace envmap {
 
-std::vector<Instance> instances(const Scene& scene) {
+std::vector<Instance> instances(const SceneGraph& scene) {
   std::vector<Instance> all;
   for (std::size_t node = 0; node < scene.nodes.size(); ++node)
     for (const int mesh : scene.nodes[node].meshes) all.push_back({int(node), mesh});
   return all;
 }
 
-std::size_t triangles(const Scene& scene) {
+std::size_t triangles(const SceneGraph& scene) {
   std::size_t count = 0;
   for (const Instance& i : instances(scene)) count += scene.meshes[i.mesh].indices.size() / 3;
   return count;
@@ -74,14 +74,14 @@ Box box_of(const Mesh& mesh, const Matrix& world) {
 
 }  // namespace
 
-Direction centre_of(const Scene& scene, const Pose& pose, int node) {
+Direction centre_of(const SceneGraph& scene, const Pose& pose, int node) {
   Box box;
   for (const Instance& i : instances(scene))
     if (lies_under(scene, i.node, node)) box.add(box_of(scene.meshes[i.mesh], pose[i.node]));
   return box.centre_or(Direction(pose[node][3]));
 }
 
-std::vector<Direction> centres_of_nodes(const Scene& scene, const Pose& pose) {
+std::vector<Direction> centres_of_nodes(const SceneGraph& scene, const Pose& pose) {
   std::vector<Box> boxes(scene.nodes.size());
   for (const Instance& i : instances(scene)) {
     const Box box = box_of(scene.meshes[i.mesh], pose[i.node]);
@@ -92,7 +92,7 @@ std::vector<Direction> centres_of_nodes(const Scene& scene, const Pose& pose) {
   return centres;
 }
 
-std::optional<Direction> direction_to(const Scene& scene, const Pose& pose, const Direction& from,
+std::optional<Direction> direction_to(const SceneGraph& scene, const Pose& pose, const Direction& from,
                                       const std::string& name) {
   if (name == "camera") {
     if (scene.cameras.empty()) return std::nullopt;

@@ -12,7 +12,7 @@
 #include "envmap/map/environment_map.h"
 #include "envmap/operate/lookup.h"
 #include "envmap/scenes/render/drawing_method.h"
-#include "envmap/scenes/scene/scene.h"
+#include "envmap/scenes/scene/scene_graph.h"
 
 namespace envmap {
 
@@ -74,7 +74,7 @@ struct MirrorLook {
 
 /// The scene at one moment.
 struct FrameState {
-  const Scene& scene;
+  const SceneGraph& scene;
   Pose pose;
   const Environment* environment = nullptr;  ///< Background and light (shading.h); null: black.
   Colour ambient{0};                         ///< Radiance from everywhere, beside the environment; no background.
@@ -93,10 +93,10 @@ struct FrameState {
 struct Instance {
   int node, mesh;
 };
-std::vector<Instance> instances(const Scene& scene);
+std::vector<Instance> instances(const SceneGraph& scene);
 
 /// Of all instances.
-std::size_t triangles(const Scene& scene);
+std::size_t triangles(const SceneGraph& scene);
 
 /// Glass and coats of less roughness are taken for smooth.
 inline constexpr float smooth_glass = 0.2F;
@@ -113,14 +113,14 @@ bool casts_shadow(const Material& material);
 
 /// Where the map of a node is drawn from: the centre of the box that holds its meshes and those below it; where it has
 /// none, its origin. World.
-Direction centre_of(const Scene& scene, const Pose& pose, int node);
+Direction centre_of(const SceneGraph& scene, const Pose& pose, int node);
 
 /// centre_of() each node, in the time of one.
-std::vector<Direction> centres_of_nodes(const Scene& scene, const Pose& pose);
+std::vector<Direction> centres_of_nodes(const SceneGraph& scene, const Pose& pose);
 
 /// From a place of the world to the centre of a node, or to the scene's first camera where the name is "camera";
 /// nothing where there is none of that name. Not of unit length.
-std::optional<Direction> direction_to(const Scene& scene, const Pose& pose, const Direction& from,
+std::optional<Direction> direction_to(const SceneGraph& scene, const Pose& pose, const Direction& from,
                                       const std::string& name);
 
 /// Viewpoint::axes that look there: Z along it, X level. @param along any length but 0. @throws UsageError

@@ -52,12 +52,12 @@ gl::Texture upload_sheen_table() { return upload_table(sheen_table_size, GL_R32F
 LightTexture upload(const EnvironmentLight& light) {
   LightTexture out{gl::make_texture(GL_TEXTURE_CUBE_MAP_ARRAY), light.roughnesses, {}, light.irradiance};
   int size = 0;
-  for (const PaddedLevel& cube : light.glossy) size = std::max(size, cube.height());
+  for (const auto& cube : light.glossy) size = std::max(size, cube->height());
   const auto mip_of = [&](const PaddedLevel& cube) { return size / cube.height() / 2; };  // 0, 1, 2 of 1, 2, 4.
-  for (const PaddedLevel& cube : light.glossy) out.mips.push_back(float(mip_of(cube)));
+  for (const auto& cube : light.glossy) out.mips.push_back(float(mip_of(*cube)));
   glTextureStorage3D(out.glossy, 1 + int(std::ranges::max(out.mips)), GL_RGB32F, size, size, 6 * int(out.mips.size()));
   for (std::size_t layer = 0; layer < light.glossy.size(); ++layer) {
-    const PaddedLevel& cube = light.glossy[layer];
+    const PaddedLevel& cube = *light.glossy[layer];
     for (int face = 0; face < 6; ++face)
       glTextureSubImage3D(out.glossy, mip_of(cube), 0, 0, 6 * int(layer) + face, cube.height(), cube.height(), 1,
                           GL_RGB, GL_FLOAT, as_gl_turns(cube, face).data());

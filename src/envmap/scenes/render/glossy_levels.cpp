@@ -35,7 +35,7 @@ std::vector<float> even_steps() {
 
 }  // namespace
 
-std::vector<float> glossy_roughnesses(const Scene& scene, int node) {
+std::vector<float> glossy_roughnesses(const SceneGraph& scene, int node) {
   std::vector<float> all;
   bool varies = false;
   for (const Instance& instance : instances(scene)) {

@@ -81,7 +81,7 @@ void set_bounds(const Mesh& mesh, Part& part) {
   part.radius = mesh.positions.empty() ? 0 : 0.5 * glm::length(high - low);
 }
 
-std::vector<GpuMaterial> materials_of(const Scene& scene) {
+std::vector<GpuMaterial> materials_of(const SceneGraph& scene) {
   std::vector<GpuMaterial> all;
   for (const Material& m : scene.materials)
     all.push_back({m.base_colour,
@@ -96,7 +96,7 @@ std::vector<GpuMaterial> materials_of(const Scene& scene) {
   return all;
 }
 
-int mirror_of(const Scene& scene, int node, std::span<const int> mirrors) {
+int mirror_of(const SceneGraph& scene, int node, std::span<const int> mirrors) {
   for (std::size_t k = 0; k < mirrors.size(); ++k)
     if (lies_under(scene, node, mirrors[k])) return int(k);
   return -1;
@@ -127,12 +127,12 @@ void add_tangents(const Mesh& mesh, std::vector<glm::vec4>& tangents) {
     tangents.push_back(mesh.tangents.empty() ? glm::vec4(0) : mesh.tangents[k]);
 }
 
-bool has_tangents(const Scene& scene) {
+bool has_tangents(const SceneGraph& scene) {
   return std::ranges::any_of(scene.meshes, [](const Mesh& mesh) { return !mesh.tangents.empty(); });
 }
 
 // Tangents of all corners. Empty if no mesh has tangents.
-std::vector<glm::vec4> tangents_of(const Scene& scene) {
+std::vector<glm::vec4> tangents_of(const SceneGraph& scene) {
   std::vector<glm::vec4> tangents;
   if (!has_tangents(scene)) return tangents;
   for (const Mesh& mesh : scene.meshes) add_tangents(mesh, tangents);
@@ -162,7 +162,7 @@ GpuLight from_viewpoint(const PlacedLight& light, const Direction& eye, int firs
 
 }  // namespace
 
-GpuScene::GpuScene(const Scene& scene, std::span<const int> mirrors) : lights_(int(scene.lights.size())) {
+GpuScene::GpuScene(const SceneGraph& scene, std::span<const int> mirrors) : lights_(int(scene.lights.size())) {
   std::vector<glm::vec3> vertices;
   std::vector<std::uint32_t> indices;
   std::vector<GpuCorner> corners;
@@ -220,7 +220,7 @@ GpuScene::GpuScene(const Scene& scene, std::span<const int> mirrors) : lights_(i
   gl::check("upload of the scene");
 }
 
-void GpuScene::update(const Scene& scene, int number) {
+void GpuScene::update(const SceneGraph& scene, int number) {
   const Mesh& mesh = at(scene.meshes, number);
   const First& first = at(first_, number);
   std::vector<GpuCorner> corners;
@@ -237,7 +237,7 @@ void GpuScene::update(const Scene& scene, int number) {
   gl::check("upload of a mesh");
 }
 
-void GpuScene::place(const Scene& scene, const Pose& pose, const Direction& eye, const Rotation& axes) {
+void GpuScene::place(const SceneGraph& scene, const Pose& pose, const Direction& eye, const Rotation& axes) {
   std::vector<GpuInstance> rows;
   placed_.clear();
   const Matrix turn(glm::transpose(axes));

@@ -31,7 +31,8 @@ struct Part {
 /// Materials with the same textures on the same mirror, which are shaded together.
 struct Group {
   /// Base colour, metallic and roughness, emissive, normal, occlusion, coat, its roughness, its normal, sheen, its
-  /// roughness: indices into Scene::textures or -1. In this order they are bound, and are bits of Shading::textures.
+  /// roughness: indices into SceneGraph::textures or -1. In this order they are bound, and are bits of
+  /// Shading::textures.
   std::array<int, 10> textures;
   int mirror;  ///< Index of the mirror it is part of, or -1.
   bool blended, coated, sheen;
@@ -52,7 +53,7 @@ class GpuScene {
  public:
   /// @param mirrors nodes that have a map each, with all below them.
   /// @throws UsageError where a texture is larger than GL takes.
-  explicit GpuScene(const Scene& scene, std::span<const int> mirrors = {});
+  explicit GpuScene(const SceneGraph& scene, std::span<const int> mirrors = {});
 
   [[nodiscard]] const std::vector<Part>& parts() const { return parts_; }
   [[nodiscard]] const std::vector<Group>& groups() const { return groups_; }
@@ -60,10 +61,10 @@ class GpuScene {
   [[nodiscard]] int lights() const { return lights_; }
 
   /// Uploads a mesh's vertex attributes again. Vertex count and triangles must not have changed.
-  void update(const Scene& scene, int mesh);
+  void update(const SceneGraph& scene, int mesh);
 
   /// Where everything is, seen from `at` in a frame of `axes`: one element a part.
-  void place(const Scene& scene, const Pose& pose, const Direction& at, const Rotation& axes);
+  void place(const SceneGraph& scene, const Pose& pose, const Direction& at, const Rotation& axes);
   [[nodiscard]] const std::vector<InstanceTransform>& placed() const { return placed_; }
 
   /// Binds vertices and buffers for drawing and shading, and the textures of a group.

@@ -18,7 +18,7 @@ bool is_mirror(const Material& m) { return (m.metallic > 0.999F || m.transmissio
 // Texels of a rough mirror's map: half of those of its prefiltered levels have no detail to lose.
 constexpr int rough_size = 2 * glossy_size;
 
-const Material& material_of(const Scene& scene, const Instance& instance) {
+const Material& material_of(const SceneGraph& scene, const Instance& instance) {
   const Mesh& mesh = scene.meshes[instance.mesh];
   return scene.materials[mesh.material];
 }
@@ -26,7 +26,7 @@ const Material& material_of(const Scene& scene, const Instance& instance) {
 // Of a flat mirror's map that is looked up in other mirrors alone.
 constexpr int flat_size = 256;
 
-bool is_metal(const Scene& scene, int node) {
+bool is_metal(const SceneGraph& scene, int node) {
   return std::ranges::all_of(instances(scene), [&](const Instance& instance) {
     return !lies_under(scene, instance.node, node) || material_of(scene, instance).metallic > 0.999F;
   });
@@ -81,7 +81,7 @@ bool differs(const EnvironmentMap& a, const EnvironmentMap& b) {
 
 }  // namespace
 
-Mirror make_mirror(const Scene& scene, int node, Projection to) {
+Mirror make_mirror(const SceneGraph& scene, int node, Projection to) {
   Mirror mirror{.node = node, .to = to};
   for (const Instance& instance : instances(scene)) {
     if (!lies_under(scene, instance.node, node)) continue;
@@ -94,7 +94,7 @@ Mirror make_mirror(const Scene& scene, int node, Projection to) {
   return mirror;
 }
 
-std::vector<Mirror> find_mirrors(const Scene& scene, Projection to) {
+std::vector<Mirror> find_mirrors(const SceneGraph& scene, Projection to) {
   std::vector<Mirror> mirrors;
   for (const Instance& instance : instances(scene)) {
     const Material& m = material_of(scene, instance);
@@ -112,7 +112,7 @@ std::vector<int> nodes_of(const std::vector<Mirror>& mirrors) {
   return nodes;
 }
 
-Mirrors::Mirrors(const Scene& scene, std::vector<Mirror> mirrors)
+Mirrors::Mirrors(const SceneGraph& scene, std::vector<Mirror> mirrors)
     : scene_(scene), mirrors_(std::move(mirrors)), maps_(mirrors_.size()), drawn_(mirrors_.size()) {}
 
 void Mirrors::add_wanted(std::size_t k, const FrameState& shot, const Viewer& viewer, Wanted& want) const {

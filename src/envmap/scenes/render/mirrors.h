@@ -24,12 +24,12 @@ struct Mirror {
 
 /// Nodes with a metallic surface without roughness, or a transmissive one of roughness below 0.2, taken as smooth.
 /// @param to sphere, paraboloid or cube.
-std::vector<Mirror> find_mirrors(const Scene& scene, Projection to);
+std::vector<Mirror> find_mirrors(const SceneGraph& scene, Projection to);
 
 std::vector<int> nodes_of(const std::vector<Mirror>& mirrors);
 
 /// @param node may have any material. @return as find_mirrors() would have it.
-Mirror make_mirror(const Scene& scene, int node, Projection to);
+Mirror make_mirror(const SceneGraph& scene, int node, Projection to);
 
 struct MirrorOptions {
   int size = 0;  ///< Height of a face; 0: what the pixels of the picture need, up to `largest`.
@@ -66,7 +66,7 @@ struct MirrorUpdates {
 /// The maps as they are from frame to frame. A map begins as the environment.
 class Mirrors {
  public:
-  Mirrors(const Scene& scene, std::vector<Mirror> mirrors);
+  Mirrors(const SceneGraph& scene, std::vector<Mirror> mirrors);
 
   /// Draws what the viewers need.
   /// @param viewers at least one.
@@ -112,7 +112,7 @@ class Mirrors {
   void draw(std::size_t k, Renderer& renderer, const FrameState& shot, const Direction& at, const Plan& plan,
             unsigned needed, const MirrorOptions& options);
 
-  const Scene& scene_;
+  const SceneGraph& scene_;
   std::vector<Mirror> mirrors_;
   std::vector<MirrorMap> maps_;
   std::vector<Drawn> drawn_;

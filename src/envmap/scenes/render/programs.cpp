@@ -160,4 +160,37 @@ gl::Program shading_program(const Shading& s) {
   return lighting(files, definitions, s.environment);
 }
 
+namespace {
+
+// @param make called where the program is not there yet.
+template <class Make>
+const gl::Program& made(gl::Program& program, const Make& make) {
+  if (program == 0) program = make();
+  return program;
+}
+
+}  // namespace
+
+const gl::Program& ProgramCache::visibility(DrawMethod method, Projection p, bool holes, bool layered) {
+  return made(visibility_[{method, p, holes, layered}], [&] { return visibility_program(method, p, holes, layered); });
+}
+
+const gl::Program& ProgramCache::shadow(bool holes) {
+  return made(shadow_[holes], [&] { return shadow_program(holes); });
+}
+
+const gl::Program& ProgramCache::background(Projection p) {
+  return made(background_[p], [&] { return background_program(p); });
+}
+
+const gl::Program& ProgramCache::adding() { return made(adding_, adding_program); }
+
+const gl::Program& ProgramCache::level(Projection p) {
+  return made(levels_[p], [&] { return level_program(p); });
+}
+
+const gl::Program& ProgramCache::shading(const Shading& s) {
+  return made(shading_[s], [&] { return shading_program(s); });
+}
+
 }  // namespace envmap

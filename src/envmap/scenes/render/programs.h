@@ -3,6 +3,10 @@
 /// enumerators, is defined for them from here.
 #pragma once
 
+#include <map>
+#include <optional>
+#include <tuple>
+
 #include "envmap/projection/projection.h"
 #include "envmap/scenes/render/draw.h"
 #include "envmap/scenes/render/drawing_method.h"
@@ -78,6 +82,24 @@ struct Shading {
   auto operator<=>(const Shading&) const = default;
 };
 gl::Program shading_program(const Shading& shading);
+
+/// The programs that drawing has asked for, each made once. They belong to one context, and go before it.
+class ProgramCache {
+ public:
+  const gl::Program& visibility(DrawMethod method, Projection image, bool holes, bool layered);
+  const gl::Program& shadow(bool holes);
+  const gl::Program& background(Projection environment);
+  const gl::Program& adding();
+  const gl::Program& level(Projection map);
+  const gl::Program& shading(const Shading& shading);
+
+ private:
+  std::map<std::tuple<DrawMethod, Projection, bool, bool>, gl::Program> visibility_;
+  std::map<bool, gl::Program> shadow_;
+  std::map<Projection, gl::Program> background_, levels_;
+  std::map<Shading, gl::Program> shading_;
+  gl::Program adding_;
+};
 
 /// Whether shaders can look up maps of this projection: shaders/projection/NAME.glsl is there.
 bool has_shader(Projection p);

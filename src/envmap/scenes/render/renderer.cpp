@@ -33,8 +33,7 @@ gl::Texture level_of(const MapTexture& map, int level) {
 }  // namespace
 
 void Renderer::make_levels(const MapTexture& map, unsigned which, bool surfaces) {
-  gl::Program& program = levels_[map.projection];
-  if (program == 0) program = level_program(map.projection);
+  const gl::Program& program = programs_->level(map.projection);
   gpu_.bind();  // Nothing is drawn without an array of vertices.
   const gl::Framebuffer to = gl::make_framebuffer();
   glBindFramebuffer(GL_FRAMEBUFFER, to);
@@ -199,18 +198,21 @@ MapTexture::MapTexture(int w, int n)
   gl::check("picture");
 }
 
-Renderer::Renderer(const Scene& scene, const Environment* environment, std::vector<int> mirrors)
-    : mirrors_(std::move(mirrors)),
+Renderer::Renderer(const SceneGraph& scene, const Environment* environment, std::vector<int> mirrors,
+                   std::shared_ptr<ProgramCache> programs)
+    : programs_(programs ? std::move(programs) : std::make_shared<ProgramCache>()),
+      mirrors_(std::move(mirrors)),
       gpu_(scene, mirrors_),
+      shadows_(programs_),
+      distant_shadows_(programs_),
       environment_(upload((environment != nullptr ? *environment : darkness()).map)),
       light_(upload((environment != nullptr ? *environment : darkness()).light)),
-      split_sum_(upload_split_sum()),
-      background_(background_program(environment_.projection)) {
+      split_sum_(upload_split_sum()) {
   if (std::ranges::any_of(gpu_.groups(), &Group::sheen)) sheen_table_ = upload_sheen_table();
   glEnable(GL_TEXTURE_CUBE_MAP_SEAMLESS);
 }
 
-void Renderer::update(const Scene& scene, int mesh) {
+void Renderer::update(const SceneGraph& scene, int mesh) {
   gpu_.update(scene, mesh);
   if (!casts_shadow(scene.materials[scene.meshes[mesh].material])) return;
   shadows_.forget();
@@ -231,9 +233,7 @@ const gl::Program& Renderer::shading(const Group& group, const FrameState& shot)
     wanted.mirror = mirror->texture->projection;
     wanted.lookup = shot.look.lookup;
   }
-  gl::Program& program = shading_[wanted];
-  if (program == 0) program = shading_program(wanted);
-  return program;
+  return programs_->shading(wanted);
 }
 
 // The environment's, or that of a rough mirror's own map.
@@ -331,9 +331,10 @@ void Renderer::light(const gl::Program& program, const Viewpoint& from, int sten
 }
 
 void Renderer::shade_background(const Viewpoint& from, const FrameState& shot) {
-  gl::set(background_, "behind", from.show_ambient ? shot.ambient : Colour(0));
-  gl::set(background_, "environment_texel", from.mean_background ? float(environment_.texel) : 1e9F);
-  light(background_, from, 0);
+  const gl::Program& program = programs_->background(environment_.projection);
+  gl::set(program, "behind", from.show_ambient ? shot.ambient : Colour(0));
+  gl::set(program, "environment_texel", from.mean_background ? float(environment_.texel) : 1e9F);
+  light(program, from, 0);
 }
 
 void Renderer::shade_group(const Viewpoint& from, const FrameState& shot, std::size_t k, bool blended) {

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <map>
+#include <memory>
 #include <optional>
 #include <tuple>
 #include <vector>
@@ -55,8 +56,10 @@ struct MirrorMap {
 class Renderer {
  public:
   /// @param environment of all that is drawn (shading.h); null: black. @param mirrors nodes, of which
-  /// FrameState::mirrors are the maps. @throws UsageError where GL cannot hold a part of the scene.
-  Renderer(const Scene& scene, const Environment* environment, std::vector<int> mirrors = {});
+  /// FrameState::mirrors are the maps. @param programs that renderers of the same context share; null: its own.
+  /// @throws UsageError where GL cannot hold a part of the scene.
+  Renderer(const SceneGraph& scene, const Environment* environment, std::vector<int> mirrors = {},
+           std::shared_ptr<ProgramCache> programs = nullptr);
 
   /// Draws the faces of `from.which` and leaves the others alone.
   /// @param method of those that draw: exact, distort or tessellate. @param surfaces of Drawn, if that is asked for.
@@ -75,12 +78,11 @@ class Renderer {
 
   /// Takes over a mesh of the scene whose vertices are others now, as many and joined as before. Maps of mirrors stay
   /// as they are until they are drawn again: MirrorOptions::all.
-  void update(const Scene& scene, int mesh);
+  void update(const SceneGraph& scene, int mesh);
 
   [[nodiscard]] const std::vector<int>& mirrors() const { return mirrors_; }  ///< Nodes.
 
  private:
-  const gl::Program& visibility(DrawMethod method, Projection p, bool holes, bool layered);
   const gl::Program& shading(const Group& group, const FrameState& shot);
   const gl::Texture& rays(const Viewpoint& from, int face, int sample);
   void begin_finding(GLuint into, bool blended) const;
@@ -106,6 +108,7 @@ class Renderer {
   void bind_shadows(const FrameState& shot, const Direction& eye) const;
   void prepare_canvas(const Viewpoint& from);
 
+  std::shared_ptr<ProgramCache> programs_;
   std::vector<int> mirrors_;
   GpuScene gpu_;
   ShadowMaps shadows_, distant_shadows_;  // Of punctual lights, and of FrameState::distant.
@@ -114,14 +117,10 @@ class Renderer {
   LightTexture light_;
   gl::Texture split_sum_, sheen_table_;  // The last of scenes that have any.
   std::optional<VisibilityBuffer> canvas_;
-  std::optional<DepthPeeling> layers_;  // Where something is blended.
-  std::map<std::tuple<DrawMethod, Projection, bool, bool>, gl::Program> visibility_;
+  std::optional<DepthPeeling> layers_;                            // Where something is blended.
   std::map<std::tuple<Projection, int, int>, gl::Texture> rays_;  // Of texels' centres, by projection, size and face.
   gl::Texture sample_rays_;
   float sample_below_ = 0;  // How far the last rays() lie below the centres of texels, in texels.
-  std::map<Shading, gl::Program> shading_;
-  gl::Program background_, adding_;
-  std::map<Projection, gl::Program> levels_;
 };
 
 /// The map in memory, by any method but raycast: `resample` draws a cube of the same size and converts it.

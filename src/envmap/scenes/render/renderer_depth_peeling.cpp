@@ -27,13 +27,13 @@ void Renderer::blend(const Viewpoint& from, const FrameState& shot, DrawMethod m
 }
 
 void Renderer::add_sample(const MapTexture& to, int face, int sample, int samples) {
-  if (adding_ == 0) adding_ = adding_program();
+  const gl::Program& adding = programs_->adding();
   bind_map(to, face, sample);
   glDisable(GL_STENCIL_TEST);
   glDisable(GL_DEPTH_TEST);
   glBindTextureUnit(unit_behind, layers_->sample);
-  gl::set(adding_, "weight", float(1.0 / samples));
-  glUseProgram(adding_);
+  gl::set(adding, "weight", float(1.0 / samples));
+  glUseProgram(adding);
   glDrawArrays(GL_TRIANGLES, 0, 3);
 }
 

@@ -52,12 +52,6 @@ bool is_in_picture(const Viewpoint& from, const Direction& centre, double radius
   return in_face(from, {seen.x, seen.y, -seen.z}, radius);
 }
 
-const gl::Program& Renderer::visibility(DrawMethod method, Projection p, bool holes, bool layered) {
-  gl::Program& program = visibility_[{method, p, holes, layered}];
-  if (program == 0) program = visibility_program(method, p, holes, layered);
-  return program;
-}
-
 // Of opaque surfaces the nearest, of blended ones the furthest.
 void Renderer::begin_finding(GLuint into, bool blended) const {
   glBindFramebuffer(GL_FRAMEBUFFER, into);
@@ -105,7 +99,7 @@ void Renderer::find_surfaces(const Viewpoint& from, const FrameState& shot, Draw
         continue;
       if (from.cull && !in_face(from, to_face * placed.ball.centre, placed.ball.radius)) continue;
       if (program == nullptr) {
-        program = &visibility(method, image, holes, blended);
+        program = &programs_->visibility(method, image, holes, blended);
         gl::set(*program, "range", range);
         gl::set(*program, "pixel", pixel);
         gl::set(*program, "shift", shift);

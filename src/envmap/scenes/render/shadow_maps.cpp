@@ -22,12 +22,6 @@ constexpr double nearest = 1e-6;
 
 }  // namespace
 
-const gl::Program& ShadowMaps::program(bool holes) {
-  gl::Program& made = programs_[holes ? 1 : 0];
-  if (made == 0) made = shadow_program(holes);
-  return made;
-}
-
 void ShadowMaps::make(std::size_t faces) {
   GLint layers = 0;
   glGetIntegerv(GL_MAX_ARRAY_TEXTURE_LAYERS, &layers);
@@ -74,7 +68,7 @@ void ShadowMaps::draw_face(std::size_t face, const GpuScene& gpu, const FrameSta
   glClearNamedFramebufferfv(seen_, GL_DEPTH, 0, &far);
   const ShadowView& f = faces_[face];
   for (const bool holes : {false, true}) {
-    const gl::Program& with = program(holes);
+    const gl::Program& with = programs_->shadow(holes);
     glUseProgram(with);
     gl::set(with, "light_face", int(face));
     gl::set(with, "pixel", std::array{2.0F / float(size_), 2.0F / float(size_)});

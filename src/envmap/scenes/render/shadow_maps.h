@@ -2,6 +2,8 @@
 /// Shadow maps: what each punctual light sees, as shaders/shadow.glsl looks it up.
 #pragma once
 
+#include <memory>
+#include <utility>
 #include <vector>
 
 #include "envmap/scenes/render/gl.h"
@@ -14,6 +16,8 @@ namespace envmap {
 /// Needs a current context, and goes before it. Source: Williams 1978, "Casting curved shadows on curved surfaces".
 class ShadowMaps {
  public:
+  explicit ShadowMaps(std::shared_ptr<ProgramCache> programs) : programs_(std::move(programs)) {}
+
   /// Draws them. The scene must be placed anew after this.
   /// @param faces as many as before. @throws UsageError where the renderer has no room for so many.
   void draw(GpuScene& gpu, const FrameState& shot, std::vector<ShadowView> faces);
@@ -31,8 +35,8 @@ class ShadowMaps {
   void make(std::size_t faces);
   void place(const Direction& eye) const;
   void draw_face(std::size_t face, const GpuScene& gpu, const FrameState& shot);
-  const gl::Program& program(bool holes);
 
+  std::shared_ptr<ProgramCache> programs_;
   Pose pose_;  // Of what is drawn.
   std::vector<ShadowView> faces_;
   int size_ = 0;
@@ -40,7 +44,6 @@ class ShadowMaps {
   gl::Renderbuffer depth_;
   gl::Framebuffer seen_;
   gl::Buffer face_buffer_;
-  gl::Program programs_[2];  // With and without holes.
 };
 
 }  // namespace envmap

@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "envmap/scenes/scene/scene.h"
+#include "envmap/scenes/scene/scene_graph.h"
 
 namespace envmap {
 

@@ -14,7 +14,7 @@ namespace {
 constexpr double degree = pi / 180;
 
 template <class F>
-void for_vertices(const Scene& scene, const Pose& pose, F&& f) {
+void for_vertices(const SceneGraph& scene, const Pose& pose, F&& f) {
   for (std::size_t n = 0; n < scene.nodes.size(); ++n)
     for (const int mesh : scene.nodes[n].meshes)
       for (const glm::vec3& p : scene.meshes[std::size_t(mesh)].positions)
@@ -37,12 +37,17 @@ View view_of(const Camera& camera, const Pose& pose) {
           .far = camera.far};
 }
 
-Ball bounds(const Scene& scene, const Pose& pose) {
+Extent extent(const SceneGraph& scene, const Pose& pose) {
   constexpr double far = std::numeric_limits<double>::max();
   Direction least(far), most(-far);
   for_vertices(scene, pose, [&](const Direction& p) { least = glm::min(least, p), most = glm::max(most, p); });
   if (least.x > most.x) return {};
-  Ball ball{0.5 * least + 0.5 * most, 0};
+  return {least, most};
+}
+
+Ball bounds(const SceneGraph& scene, const Pose& pose) {
+  const Extent all = extent(scene, pose);
+  Ball ball{0.5 * all.low + 0.5 * all.high, 0};
   for_vertices(scene, pose,
                [&](const Direction& p) { ball.radius = std::max(ball.radius, glm::length(p - ball.centre)); });
   return ball;

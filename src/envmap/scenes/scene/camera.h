@@ -3,7 +3,7 @@
 #pragma once
 
 #include "envmap/maths/vector.h"
-#include "envmap/scenes/scene/scene.h"
+#include "envmap/scenes/scene/scene_graph.h"
 
 namespace envmap {
 
@@ -25,7 +25,13 @@ struct Ball {
 };
 /// Round all that is drawn: the middle of the box along the axes, and the farthest vertex.
 /// Of nothing a ball of radius 0.
-Ball bounds(const Scene& scene, const Pose& pose);
+Ball bounds(const SceneGraph& scene, const Pose& pose);
+
+/// The corners of that box. Of nothing the origin.
+struct Extent {
+  Direction low{0}, high{0};
+};
+Extent extent(const SceneGraph& scene, const Pose& pose);
 
 /// Turns a view to a point, +Y up; where it looks straight up or down, +Z or -Z is up in the picture. @throws
 /// UsageError where the point is the eye's own.

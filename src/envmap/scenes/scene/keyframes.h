@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "envmap/scenes/scene/scene.h"
+#include "envmap/scenes/scene/scene_graph.h"
 
 namespace envmap {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "envmap/scenes/scene/scene.h"
+#include "envmap/scenes/scene/scene_graph.h"
 
 namespace envmap {
 
@@ -19,7 +19,7 @@ void make_normals_flat(Mesh& mesh);
 /// More corners of triangles and vertices no scene is read with.
 inline constexpr std::size_t max_corners = std::size_t{1} << 27;
 
-/// Adds to a list, such as Scene::unsupported, what is not in it.
+/// Adds to a list, such as SceneGraph::unsupported, what is not in it.
 void note_once(std::vector<std::string>& list, const std::string& what);
 
 }  // namespace envmap

@@ -48,7 +48,7 @@ void skin(const Deformation& d, const Pose& pose, Vertices& v) {
 
 }  // namespace
 
-std::vector<int> deform(Scene& scene, const Pose& pose, double time) {
+std::vector<int> deform(SceneGraph& scene, const Pose& pose, double time) {
   std::vector<int> moved;
   for (const Deformation& d : scene.deformations) {
     Mesh& mesh = scene.meshes[std::size_t(d.mesh)];

@@ -5,12 +5,12 @@
 /// object grasping".
 #pragma once
 
-#include "envmap/scenes/scene/scene.h"
+#include "envmap/scenes/scene/scene_graph.h"
 
 namespace envmap {
 
 /// Puts the vertices of scene.deformations where they are at a time. They are as many, and joined, as before.
 /// @param pose of that time. @return the meshes of which one has moved: for Renderer::update().
-std::vector<int> deform(Scene& scene, const Pose& pose, double time);
+std::vector<int> deform(SceneGraph& scene, const Pose& pose, double time);
 
 }  // namespace envmap

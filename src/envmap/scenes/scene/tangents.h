@@ -2,7 +2,7 @@
 /// The frames that normal maps are meant in.
 #pragma once
 
-#include "envmap/scenes/scene/scene.h"
+#include "envmap/scenes/scene/scene_graph.h"
 
 namespace envmap {
 

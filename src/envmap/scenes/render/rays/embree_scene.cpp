@@ -17,7 +17,7 @@ using Tree = std::unique_ptr<RTCSceneTy, decltype(&rtcReleaseScene)>;
 
 // A mesh in its place, the tree's centre at the origin, axes the world's; counter-clockwise from the front.
 struct InstanceTransform {
-  const Scene* scene = nullptr;
+  const SceneGraph* scene = nullptr;
   const Mesh* mesh = nullptr;
   const Material* material = nullptr;
   int node = 0;
@@ -120,7 +120,7 @@ void filter(const RTCFilterFunctionNArguments* call) {
   if (call->N != 1) return;
   const Query& query = *static_cast<const Query*>(call->context);
   const RayQuery m = meet(p, RTCHitN_primID(call->hit, 1, 0), query.origin, query.ray);
-  const bool ends_solid = query.medium == Medium::solid && p.material->solid;
+  const bool ends_solid = query.medium == Medium::any || (query.medium == Medium::solid && p.material->solid);
   const bool shown =
       p.seen && (!m.back || p.material->double_sided || ends_solid) && (p.material->blended || !is_hole(p, m));
   if (!shown) call->valid[0] = 0;

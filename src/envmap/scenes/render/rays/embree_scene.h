@@ -18,8 +18,8 @@ struct SurfaceHit {
   bool back;        ///< Met from the back; the surface's normal faces the ray all the same.
 };
 
-/// What a ray passes through.
-enum class Medium { air, solid };
+/// What a ray passes through. Of `any`, both sides of all surfaces end it.
+enum class Medium { air, solid, any };
 
 /// Triangles are moved to a centre in double and rounded to float32 there, and so are rays; what a ray meets in a
 /// triangle is found in double. Source: Wald et al. 2014, "Embree: a kernel framework for efficient CPU ray tracing".

@@ -4,24 +4,17 @@
 
 #include "envmap/base/parallel.h"
 #include "envmap/map/image_view.h"
+#include "envmap/scenes/render/rays/look.h"
 #include "envmap/scenes/render/rays/whitted_integrator.h"
 
 namespace envmap {
-namespace {
 
-struct Seen {
-  Colour radiance{0};
-  float distance = std::numeric_limits<float>::infinity();
-  std::uint32_t surface = 0;
-};
-
-// Through what is blended to the first that is not: the surface, and its distance.
 Seen look(const EmbreeScene& tree, const WhittedIntegrator& tracer, const Lighting& lighting, const Viewpoint& from,
-          const Direction& ray) {
+          const Direction& origin, const Direction& ray) {
   Seen seen;
   float left = 1;  // Of what is behind.
   double near = from.near;
-  while (const auto hit = tree.find(Direction(0), ray, near, from.far)) {
+  while (const auto hit = tree.find(origin, ray, near, from.far)) {
     const float part = left * hit->surface.opacity;
     if (part > 0) seen.radiance += part * Colour(tracer.from_surface(*hit, ray));
     if (!hit->blended) {
@@ -30,13 +23,11 @@ Seen look(const EmbreeScene& tree, const WhittedIntegrator& tracer, const Lighti
       return seen;
     }
     left -= part;
-    near = hit->distance + EmbreeScene::clearance(hit->distance * ray);
+    near = hit->distance + EmbreeScene::clearance(origin + hit->distance * ray);
   }
   seen.radiance += left * (background(lighting.environment, ray) + (from.show_ambient ? lighting.ambient : Colour(0)));
   return seen;
 }
-
-}  // namespace
 
 Drawn raycast(const FrameState& shot, const Viewpoint& from, const RayPaths& paths, const Progress& progress) {
   const EmbreeScene tree(shot, from.at, from.without);
@@ -64,7 +55,7 @@ Drawn raycast(const FrameState& shot, const Viewpoint& from, const RayPaths& pat
     for (int k = 0; k < from.samples; ++k) {
       sample_directions(from.to, from.size, face, row, sample_offset(k, from.samples), rays);
       for (std::size_t i = 0; i < rays.size(); ++i) {
-        const Seen seen = look(tree, tracer, light, from, from.axes * rays[i]);
+        const Seen seen = look(tree, tracer, light, from, Direction(0), from.axes * rays[i]);
         sums[i] += Flux(seen.radiance);
         if (k > 0) continue;
         distance[i] = seen.distance;

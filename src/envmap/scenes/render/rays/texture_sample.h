@@ -2,7 +2,7 @@
 /// Looking up textures on surfaces.
 #pragma once
 
-#include "envmap/scenes/scene/scene.h"
+#include "envmap/scenes/scene/scene_graph.h"
 
 namespace envmap {
 

@@ -18,9 +18,7 @@ namespace envmap {
 
 // ---- the environment ------------------------------------------------------------------------------------------------
 
-EnvironmentLight environment_light(const EnvironmentMap& map, const std::vector<float>& roughnesses, int size,
-                                   int largest, const Progress& progress) {
-  EnvironmentLight light{.roughnesses = roughnesses};
+std::array<Colour, 9> irradiance_over_pi(const EnvironmentMap& map) {
   Harmonics h = project(map, 2);
   scale_degrees(h, irradiance_factors(2));
   // Of the basis functions, in the order of harmonics.h.
@@ -28,13 +26,24 @@ EnvironmentLight environment_light(const EnvironmentMap& map, const std::vector<
                                0.4886025119029199,  1.0925484305920792, 1.0925484305920792,
                                0.31539156525252005, 1.0925484305920792, 0.5462742152960396};
   // There: 1, x, y, z, xz, xy, 3y^2-1, yz, z^2-x^2.
-  for (std::size_t k = 0; k < 9; ++k) light.irradiance[k] = Colour(h.coefficients[k] * (scale[k] / pi));
+  std::array<Colour, 9> irradiance{};
+  for (std::size_t k = 0; k < 9; ++k) irradiance[k] = Colour(h.coefficients[k] * (scale[k] / pi));
+  return irradiance;
+}
+
+std::shared_ptr<const PaddedLevel> glossy_level(const PrefilterSource& source, float roughness, int size, int largest) {
+  int height = size;
+  for (int k = 0; k < glossy_doublings(roughness) && 2 * height <= largest; ++k) height *= 2;
+  Prefiltered made = source.make({.shape = Shape::ggx, .parameter = roughness, .size = height, .max_error = 1e-2});
+  return std::make_shared<const PaddedLevel>(std::move(made.map.base()));
+}
+
+EnvironmentLight environment_light(const EnvironmentMap& map, const std::vector<float>& roughnesses, int size,
+                                   int largest, const Progress& progress) {
+  EnvironmentLight light{.irradiance = irradiance_over_pi(map), .glossy = {}, .roughnesses = roughnesses};
   const PrefilterSource source(map);
   for (const float roughness : roughnesses) {
-    int height = size;
-    for (int k = 0; k < glossy_doublings(roughness) && 2 * height <= largest; ++k) height *= 2;
-    Prefiltered made = source.make({.shape = Shape::ggx, .parameter = roughness, .size = height, .max_error = 1e-2});
-    light.glossy.emplace_back(std::move(made.map.base()));
+    light.glossy.push_back(glossy_level(source, roughness, size, largest));
     if (progress) progress(double(light.glossy.size()) / double(roughnesses.size()));
   }
   return light;
@@ -60,7 +69,7 @@ Colour background(const Environment* environment, const Direction& from) {
 namespace {
 
 // @param reached the part of the environment's light that does.
-Flux irradiance_over_pi(const Lighting& l, const Direction& n, const Flux& reached) {
+Flux diffuse_light(const Lighting& l, const Direction& n, const Flux& reached) {
   const Flux ambient(l.ambient);
   if (l.environment == nullptr) return ambient;
   if (l.integral != nullptr) return ambient + reached * l.integral->diffuse(n);
@@ -209,12 +218,12 @@ Flux glossy_radiance(const Lighting& l, const Direction& from, double roughness)
   const auto [lower, upper, part] = glossy_mix(light.roughnesses, roughness);
   const auto at = [&](int k) {
     if (k < 0) return Flux(background(l.environment, from));
-    return Flux(bilinear(light.glossy[std::size_t(k)], Cube::locate(from)));
+    return Flux(bilinear(*light.glossy[std::size_t(k)], Cube::locate(from)));
   };
   return ambient + (part < 1 ? (1 - part) * at(lower) : Flux(0)) + (part > 0 ? part * at(upper) : Flux(0));
 }
 
-std::vector<PlacedLight> placed_lights(const Scene& scene, const Pose& pose) {
+std::vector<PlacedLight> placed_lights(const SceneGraph& scene, const Pose& pose) {
   std::vector<PlacedLight> placed;
   for (const PunctualLight& light : scene.lights) {
     const Matrix& world = pose[light.node];
@@ -271,7 +280,7 @@ ShadingResult scatter(const ShadingPoint& s, const Direction& v, const Lighting&
   };
   const Flux reached = l.obstacles != nullptr ? unoccluded(*l.obstacles, s, l.distant) : Flux(1);
   const Flux &plain = base.plain, rest = 1.0 - once(plain, base.edge) - later(plain, base.edge);
-  const Flux irradiance = double(s.reached) * irradiance_over_pi(l, n, reached);
+  const Flux irradiance = double(s.reached) * diffuse_light(l, n, reached);
   const Flux even =
       rest * base.dielectric * (1 - transmitted) + glm::mix(later(plain, base.edge), later(base.colour, 1), metallic);
   const Flux fibre_light = through * Flux(s.sheen) * cloth(s, v, l, fibres.albedo, reached, irradiance);

@@ -10,6 +10,7 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <vector>
 
 #include "envmap/base/run.h"
@@ -23,6 +24,7 @@ namespace envmap {
 
 class LobeIntegral;
 class EmbreeScene;
+class PrefilterSource;
 
 /// Seen from outside: its normals face the viewer.
 struct ShadingPoint {
@@ -51,11 +53,17 @@ struct EnvironmentLight {
   std::array<Colour, 9> irradiance{};
   /// GGX-prefiltered cubes in the world's frame for each of the roughnesses, which rise. Their heights are `size`, its
   /// double or its fourfold. Roughness 0 is the environment itself.
-  std::vector<PaddedLevel> glossy;
+  std::vector<std::shared_ptr<const PaddedLevel>> glossy;
   std::vector<float> roughnesses;
   /// sampled_levels(): what surfaces reflect is sampled, all but rough glass. Empty: `glossy` stands for it.
   std::vector<PaddedLevel> sampled = {};
 };
+
+/// EnvironmentLight::irradiance of a map.
+std::array<Colour, 9> irradiance_over_pi(const EnvironmentMap& map);
+
+/// One of EnvironmentLight::glossy. @param size of cubes for wide lobes. @param largest of all.
+std::shared_ptr<const PaddedLevel> glossy_level(const PrefilterSource& source, float roughness, int size, int largest);
 
 /// @param roughnesses of glossy_levels.h. @param size of cubes for wide lobes. @param largest of all.
 /// @param progress may be empty.
@@ -73,9 +81,16 @@ GlossyMix glossy_mix(const std::vector<float>& roughnesses, double roughness);
 struct Environment {
   explicit Environment(EnvironmentMap from, int size = glossy_size, const Progress& progress = {},
                        const std::vector<float>& roughnesses = even_roughnesses())
-      : map(std::move(from)), lookup(map), light(environment_light(map, roughnesses, size, 4 * size, progress)) {}
+      : source(std::make_shared<const EnvironmentMap>(std::move(from))),
+        map(*source),
+        lookup(map),
+        light(environment_light(map, roughnesses, size, 4 * size, progress)) {}
+  /// Of a map that others share.
+  Environment(std::shared_ptr<const EnvironmentMap> from, EnvironmentLookup look, EnvironmentLight given)
+      : source(std::move(from)), map(*source), lookup(std::move(look)), light(std::move(given)) {}
 
-  EnvironmentMap map;
+  std::shared_ptr<const EnvironmentMap> source;
+  const EnvironmentMap& map;  ///< The source.
   EnvironmentLookup lookup;
   EnvironmentLight light;
 };
@@ -93,7 +108,7 @@ struct PlacedLight {
   double inner, outer;  ///< Cosines of the half angles.
   int node = -1;        ///< What hangs on it casts no shadow of this light.
 };
-std::vector<PlacedLight> placed_lights(const Scene& scene, const Pose& pose);
+std::vector<PlacedLight> placed_lights(const SceneGraph& scene, const Pose& pose);
 
 /// All that shines on a scene at one moment. What it points to must outlive it.
 struct Lighting {

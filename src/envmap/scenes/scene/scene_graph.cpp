@@ -1,4 +1,4 @@
-#include "envmap/scenes/scene/scene.h"
+#include "envmap/scenes/scene/scene_graph.h"
 
 #include <fmt/format.h>
 
@@ -23,7 +23,7 @@ Matrix local_at(const Animation& motion, double time) {
 
 }  // namespace
 
-Pose pose(const Scene& scene, double time) {
+Pose pose(const SceneGraph& scene, double time) {
   Pose world(scene.nodes.size());
   for (std::size_t i = 0; i < world.size(); ++i) world[i] = scene.nodes[i].local;
   for (const Animation& motion : scene.animations) world[motion.node] = local_at(motion, time);
@@ -39,7 +39,7 @@ bool is_bounded(const Pose& pose) {
   return true;
 }
 
-std::optional<int> find_node(const Scene& scene, const std::string& name) {
+std::optional<int> find_node(const SceneGraph& scene, const std::string& name) {
   const auto found = std::ranges::find(scene.nodes, name, &Node::name);
   if (found == scene.nodes.end()) return std::nullopt;
   if (const auto count = std::ranges::count(scene.nodes, name, &Node::name); count > 1)
@@ -48,7 +48,7 @@ std::optional<int> find_node(const Scene& scene, const std::string& name) {
   return int(found - scene.nodes.begin());
 }
 
-std::string list_nodes(const Scene& scene) {
+std::string list_nodes(const SceneGraph& scene) {
   constexpr std::size_t most = 8;
   std::set<std::string_view> names;
   std::string list;
@@ -60,7 +60,7 @@ std::string list_nodes(const Scene& scene) {
   return "the scene's nodes are " + list;
 }
 
-bool has_light(const Scene& scene) {
+bool has_light(const SceneGraph& scene) {
   const auto glows = [](const Material& m) { return m.emissive != Colour(0); };
   return !scene.lights.empty() || std::ranges::any_of(scene.materials, glows);
 }
@@ -69,7 +69,7 @@ Rotation cofactors(const Rotation& m) {
   return {glm::cross(m[1], m[2]), glm::cross(m[2], m[0]), glm::cross(m[0], m[1])};
 }
 
-bool lies_under(const Scene& scene, int node, int ancestor) {
+bool lies_under(const SceneGraph& scene, int node, int ancestor) {
   for (; node >= 0; node = scene.nodes[node].parent)
     if (node == ancestor) return true;
   return false;

@@ -26,7 +26,7 @@ struct Texture {
   Wrap wrap_u = Wrap::repeat, wrap_v = Wrap::repeat;
 };
 
-/// glTF's metallic-roughness material. A texture is an index into Scene::textures, -1 where there is none.
+/// glTF's metallic-roughness material. A texture is an index into SceneGraph::textures, -1 where there is none.
 struct Material {
   std::string name;
   glm::vec4 base_colour{1};
@@ -70,7 +70,7 @@ struct Mesh {
 /// A place in the tree. Parents come before their children.
 struct Node {
   std::string name;
-  int parent = -1;  ///< Index into Scene::nodes; -1: the root.
+  int parent = -1;  ///< Index into SceneGraph::nodes; -1: the root.
   Matrix local{1};  ///< Into the parent, at rest.
   std::vector<int> meshes;
 };
@@ -126,7 +126,7 @@ struct Deformation {
   std::vector<glm::vec4> parts;          ///< What those count for, 1 in all.
 };
 
-struct Scene {
+struct SceneGraph {
   std::vector<Node> nodes;
   std::vector<Mesh> meshes;
   std::vector<Material> materials;
@@ -146,24 +146,24 @@ using Pose = std::vector<Matrix>;
 
 /// @param time in seconds; before the first key and after the last one things stand still. Keys are joined by lines,
 /// rotations by great arcs.
-Pose pose(const Scene& scene, double time);
+Pose pose(const SceneGraph& scene, double time);
 
 /// Whether all its numbers are below 1e30, and none is NaN.
 bool is_bounded(const Pose& pose);
 
 /// The node of that name, if there is one. @throws UsageError where several have it.
-std::optional<int> find_node(const Scene& scene, const std::string& name);
+std::optional<int> find_node(const SceneGraph& scene, const std::string& name);
 
 /// The names of nodes, for messages: eight at most, and how many more there are.
-std::string list_nodes(const Scene& scene);
+std::string list_nodes(const SceneGraph& scene);
 
 /// Whether the scene has light of its own: lights, or materials that glow.
-bool has_light(const Scene& scene);
+bool has_light(const SceneGraph& scene);
 
 /// The inverse transposed but for its scale, and also there where the matrix has no inverse: turns normals.
 Rotation cofactors(const Rotation& m);
 
 /// Whether a node is `ancestor` or lies below it.
-bool lies_under(const Scene& scene, int node, int ancestor);
+bool lies_under(const SceneGraph& scene, int node, int ancestor);
 
 }  // namespace envmap
