@@ -63,7 +63,7 @@ example = re.search(r'^\.EX\n(.*?)^\.EE$', page, re.S | re.M)[1].replace('\\e', 
 (work / 'example.cpp').write_text(example)
 # Those of docs/library.md, each the body of a function of one program.
 bodies = re.findall(r'^```cpp\n(.*?)^```$', (source / 'docs/library.md').read_text(), re.S | re.M)
-demand(len(bodies) == 16, f'docs/library.md has {len(bodies)} examples')
+demand(len(bodies) == 17, f'docs/library.md has {len(bodies)} examples')
 includes = ('envmap/scenes.h', 'algorithm', 'cmath', 'filesystem', 'stop_token', 'string', 'thread', 'type_traits', 'vector')
 (work / 'pages.cpp').write_text(
     ''.join(f'#include <{name}>\n' for name in includes) + 'using namespace envmap;\n' +

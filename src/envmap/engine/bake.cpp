@@ -7,6 +7,7 @@
 #include "envmap/base/run_operation.h"
 #include "envmap/engine/baked_maps.h"
 #include "envmap/engine/irradiance.h"
+#include "envmap/engine/suns.h"
 #include "envmap/io/files/output_folder.h"
 #include "envmap/io/texels/rounding.h"
 #include "envmap/io/write_table.h"
@@ -28,6 +29,29 @@ std::string readme_text(const Engine& e, const std::vector<BakedFile>& maps, dou
                         map.levels > 1 ? fmt::format(" in {} levels", map.levels) : "", name(map.written.depth),
                         map.accuracy);
   return text + fmt::format("Orientation: {}\nRough and diffuse light: {}.\n\n{}\n", turns_of(e), e.light, e.steps);
+}
+
+// What the maps leave out, and how it comes back.
+std::string suns_text(const Engine& e, const FoundLights& suns, const LightError& error) {
+  std::string text =
+      fmt::format("Suns: {} brings {}, which the maps leave out. {}\n", suns_file_name(e),
+                  suns.lights.size() == 1 ? "a light" : fmt::format("{} lights", suns.lights.size()), suns_unit(e));
+  for (const DiscLight& light : suns.lights)
+    text += fmt::format(
+        "  irradiance {:.6g} {:.6g} {:.6g} from ({:.6f}, {:.6f}, {:.6f}) of the probe, diameter {:.4g} "
+        "degrees{}\n",
+        light.irradiance.x, light.irradiance.y, light.irradiance.z, light.towards.x, light.towards.y, light.towards.z,
+        2 * light.radius_degrees, light.radius_is_bound ? " at most" : "");
+  return text + fmt::format(
+                    "Lights without a size and maps together are as the probe, in every direction: irradiance "
+                    "within {:.2g}% of its largest, GGX of roughness 0.5 within {:.2g}%.\n\n",
+                    100 * error.irradiance, 100 * error.ggx);
+}
+
+// As bright as the maps.
+void expose(FoundLights& suns, double gain) {
+  for (DiscLight& light : suns.lights)
+    for (Flux* const value : {&light.flux, &light.radiance, &light.irradiance, &light.spread}) *value *= gain;
 }
 
 void expose(EnvironmentMap& probe, double stops, Provenance& provenance) {
@@ -105,6 +129,14 @@ std::vector<std::string> files_of(const Engine& engine) {
   return files;
 }
 
+std::vector<std::string> files_of(const Engine& engine, const BakeOptions& options) {
+  std::vector<std::string> files = files_of(engine);
+  if (!options.suns) return files;
+  if (std::string suns = suns_file_name(engine); std::ranges::find(files, suns) == files.end())
+    files.push_back(std::move(suns));
+  return files;
+}
+
 std::vector<BakedFile> bake(EnvironmentMap probe, const Engine& engine, const std::string& folder,
                             const BakeOptions& asked, const Run& run) {
   if (asked.size) check_range(limits::size, *asked.size);
@@ -114,9 +146,15 @@ std::vector<BakedFile> bake(EnvironmentMap probe, const Engine& engine, const st
   check_quality(asked.quality);
   check_engine(engine);
   BakeOptions options = asked;
+  LightError error;
+  if (options.suns) {
+    error = light_error(probe, *options.suns);
+    take_out(probe, *options.suns);
+    expose(*options.suns, portable::exp2(options.exposure));
+  }
   expose(probe, options.exposure, options.write.provenance);
   return run_operation(run, [&](const Progress& progress) {
-    OutputFolder out(folder, files_of(engine), options.write.commit);
+    OutputFolder out(folder, files_of(engine, options), options.write.commit);
     Baker baker(probe, options);
     std::vector<BakedFile> baked;
     const double share = 1 / double(engine.maps.size());
@@ -125,7 +163,13 @@ std::vector<BakedFile> bake(EnvironmentMap probe, const Engine& engine, const st
                                part_progress(progress, share * double(baked.size()), share)));
     write_tables(engine, probe, out, options.write.commit);
     if (!engine.text.name.empty()) out.write(engine.text.name, engine.text.text);
-    out.write(readme, readme_text(engine, baked, options.exposure));
+    std::string about = readme_text(engine, baked, options.exposure);
+    if (options.suns) {
+      const auto [name, text] = suns_file(engine, options.suns->lights);
+      out.write(name, text);
+      about += suns_text(engine, *options.suns, error);
+    }
+    out.write(readme, about);
     out.commit();
     return baked;
   });

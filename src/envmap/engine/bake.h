@@ -12,6 +12,7 @@
 #include "envmap/base/run.h"
 #include "envmap/engine/engines.h"
 #include "envmap/io/write.h"
+#include "envmap/light/lights.h"
 #include "envmap/map/environment_map.h"
 
 namespace ENVMAP_EXPORT envmap {
@@ -35,6 +36,8 @@ struct BakeOptions {
   /// How the maps are written: depth (absent: the engine's, else that of `source_depth`), clamp, provenance, commit.
   /// Other fields have no meaning.
   WriteOptions write = {};
+  /// Lights of the probe, by find_lights(), that the maps leave out. A file of the folder brings them (suns.h).
+  std::optional<FoundLights> suns = {};
 };
 
 /// A map of the folder.
@@ -48,6 +51,8 @@ struct BakedFile {
 
 /// The files of the folder: maps, README.txt, and the text that loads them where the engine has one.
 std::vector<std::string> files_of(const Engine& engine);
+/// With the file of the suns, where the options have some.
+std::vector<std::string> files_of(const Engine& engine, const BakeOptions& options);
 
 /// Makes the folder, which appears whole or not at all; one that holds the same files is replaced.
 /// @throws UsageError where a field is out of its range or the folder holds other files, InputError where a texel is

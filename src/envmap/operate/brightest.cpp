@@ -39,15 +39,6 @@ bool is_inside(const Level& level, int i, int j) {
   return i >= in.first && i < in.end;
 }
 
-// The texel at a step from another: on the face itself, or where the projection goes on beyond its side.
-Texel beside(const Level& level, const Texel& t, int right, int down) {
-  const Texel wanted{t.face, t.i + right, t.j + down};
-  if (is_inside(level, wanted.i, wanted.j)) return wanted;
-  const Location<double> found = locate(level.projection(), direction_of(level, wanted));
-  return {found.face, std::clamp(int(found.u * level.width()), 0, level.width() - 1),
-          std::clamp(int(found.v * level.height()), 0, level.height() - 1)};
-}
-
 // All texels of the luminance, row by row.
 std::vector<Texel> texels_of_luminance(const Level& level, double luminance) {
   const auto rows = map_level<std::vector<Texel>>(level, [&](std::vector<Texel>& found, int face, int j) {
@@ -72,7 +63,7 @@ std::vector<Texel> region_at(const Level& level, const Texel& first, std::unorde
   for (std::size_t k = 0; k < region.size(); ++k)
     for (int down = -1; down <= 1; ++down)
       for (int right = -1; right <= 1; ++right) {
-        const Texel other = beside(level, region[k], right, down);
+        const Texel other = texel_beside(level, region[k], right, down);
         const auto found = left.find(index_of(level, other));
         if (found == left.end() || !found->second) continue;
         found->second = false;
@@ -111,6 +102,14 @@ std::optional<Direction> middle_of_all(const Level& level, double luminance) {
 }
 
 }  // namespace
+
+Texel texel_beside(const Level& level, const Texel& t, int right, int down) {
+  const Texel wanted{t.face, t.i + right, t.j + down};
+  if (is_inside(level, wanted.i, wanted.j)) return wanted;
+  const Location<double> found = locate(level.projection(), direction_of(level, wanted));
+  return {found.face, std::clamp(int(found.u * level.width()), 0, level.width() - 1),
+          std::clamp(int(found.v * level.height()), 0, level.height() - 1)};
+}
 
 double luminance_of(const Colour& c) { return 0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z; }
 

@@ -20,6 +20,9 @@ struct Region {
 /// @param luminance of the brightest texels. @param count how many there are. @param first one of them.
 Region brightest_region(const Level& level, double luminance, std::int64_t count, const Texel& first);
 
+/// The texel at a step from another: on the face itself, or where the projection goes on beyond its side.
+Texel texel_beside(const Level& level, const Texel& texel, int right, int down);
+
 /// Rec. 709.
 double luminance_of(const Colour& c);
 

@@ -7,9 +7,9 @@
 
 #include "envmap/base/bounds.h"
 #include "envmap/base/error.h"
+#include "envmap/light/distant_lights.h"
 #include "envmap/operate/check_options.h"
 #include "envmap/scenes/render/drawing_method.h"
-#include "envmap/scenes/render/shading/distant_lights.h"
 
 namespace envmap {
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "envmap/base/run.h"
-#include "envmap/scenes/render/shading/distant_lights.h"
+#include "envmap/light/distant_lights.h"
 #include "envmap/scenes/render/shading/prepared_environment.h"
 #include "envmap/scenes/render/shading/shading.h"
 #include "envmap/scenes/scene/scene_graph.h"

@@ -1,4 +1,4 @@
-// What surfaces keep of the environment's diffuse light from each other: its distant lights (render/distant_lights.h), each
+// What surfaces keep of the environment's diffuse light from each other: its distant lights (light/distant_lights.h), each
 // with a shadow map.
 layout(binding = UNIT_DISTANT_SHADOWS) uniform sampler2DArray distant_shadows;
 layout(std140, binding = BLOCK_DISTANT_FACES) uniform DistantFaces { ShadowView distant_faces[MOST_DISTANT_LIGHTS]; };

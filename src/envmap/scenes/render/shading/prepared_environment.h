@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "envmap/base/run.h"
+#include "envmap/light/distant_lights.h"
 #include "envmap/prefilter/prefilter.h"
 #include "envmap/scenes/render/drawing_method.h"
-#include "envmap/scenes/render/shading/distant_lights.h"
 #include "envmap/scenes/render/shading/shading.h"
 
 namespace envmap {

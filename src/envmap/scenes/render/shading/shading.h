@@ -14,11 +14,11 @@
 #include <vector>
 
 #include "envmap/base/run.h"
+#include "envmap/light/distant_lights.h"
 #include "envmap/operate/lookup.h"
 #include "envmap/sample/padded_level.h"
 #include "envmap/scenes/render/draw.h"
 #include "envmap/scenes/render/glossy_levels.h"
-#include "envmap/scenes/render/shading/distant_lights.h"
 
 namespace envmap {
 

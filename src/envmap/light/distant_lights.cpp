@@ -1,4 +1,4 @@
-#include "envmap/scenes/render/shading/distant_lights.h"
+#include "envmap/light/distant_lights.h"
 
 #include <algorithm>
 #include <cmath>

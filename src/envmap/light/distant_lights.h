@@ -4,10 +4,11 @@
 
 #include <vector>
 
+#include "envmap/base/export.h"
 #include "envmap/map/environment_map.h"
 #include "envmap/maths/vector.h"
 
-namespace envmap {
+namespace ENVMAP_EXPORT envmap {
 
 struct DistantLight {
   Direction from{0, 1, 0};  ///< Unit, world.

@@ -1,0 +1,246 @@
+#include "envmap/engine/suns.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/gtc/quaternion.hpp>
+
+#include "envmap/io/claims/srgb.h"
+
+namespace envmap {
+namespace {
+
+// Intensity and colour: the largest channel of the irradiance, and what the channels are of it, so that intensity x
+// colour is the irradiance of each channel.
+struct Intensity {
+  double value;
+  Flux colour;
+};
+Intensity intensity_of(const DiscLight& light) {
+  const double most = std::max({light.irradiance.x, light.irradiance.y, light.irradiance.z});
+  return {most, most > 0 ? light.irradiance / most : Flux(1)};
+}
+
+std::string numbers(const Direction& d) { return fmt::format("{:.9g}, {:.9g}, {:.9g}", d.x, d.y, d.z); }
+std::string numbers(const Flux& c) { return numbers(Direction(c)); }
+
+// A direction of the probe in the engine's world. @param axes where +X, +Y and +Z lie there: "+X +Z -Y".
+Direction in_world(std::string_view axes, const Direction& d) {
+  Direction out(0);
+  for (int k = 0; k < 3; ++k)
+    out[axes[std::size_t(3 * k + 1)] - 'X'] += (axes[std::size_t(3 * k)] == '-' ? -1 : 1) * d[k];
+  return out;
+}
+
+// Lights of glTF, USD and Godot shine along their -Z: the turn that brings +Z towards them.
+Rotation turn_to(const Direction& towards) { return upright_about(towards); }
+glm::dquat quaternion_to(const Direction& towards) { return glm::normalize(glm::quat_cast(turn_to(towards))); }
+
+std::string list_of(std::span<const DiscLight> lights, std::string_view axes, std::string_view form) {
+  std::string text;
+  for (const DiscLight& light : lights) {
+    const Intensity i = intensity_of(light);
+    text += fmt::format(fmt::runtime(form), fmt::arg("towards", numbers(in_world(axes, light.towards))),
+                        fmt::arg("intensity", i.value), fmt::arg("colour", numbers(i.colour)),
+                        fmt::arg("diameter", 2 * light.radius_degrees),
+                        fmt::arg("radians", 2 * light.radius_degrees * pi / 180));
+  }
+  return text;
+}
+
+constexpr std::string_view sun_of_script =
+    "  {{ towards: [{towards}], intensity: {intensity:.9g}, colour: [{colour}], diameter: {diameter:.6g} }},\n";
+
+// ---- scripts --------------------------------------------------------------------------------------------------------
+
+std::string three_text(const Engine& engine, std::span<const DiscLight> lights) {
+  return "// The suns of the probe as lights; background.exr holds the rest.\nimport * as THREE from 'three';\n\n"
+         "// towards: where the sun is. intensity: DirectionalLight.intensity, lux. diameter: degrees.\n"
+         "export const suns = [\n" +
+         list_of(lights, engine.axes, sun_of_script) +
+         "];\n\nexport function addSuns(scene, distance = 100) {\n"
+         "  for (const sun of suns) {\n"
+         "    const light = new THREE.DirectionalLight(new THREE.Color().setRGB(...sun.colour), sun.intensity);\n"
+         "    light.position.set(...sun.towards).multiplyScalar(distance);\n"
+         "    light.castShadow = true;\n"
+         "    scene.add(light, light.target);\n  }\n}\n";
+}
+
+std::string babylon_text(const Engine& engine, std::span<const DiscLight> lights) {
+  return "// The suns of the probe as lights; the maps hold the rest. intensity: lux, as IntensityMode automatic has "
+         "it.\n"
+         "export const suns = [\n" +
+         list_of(lights, engine.axes, sun_of_script) +
+         "];\n\nexport function addSuns(BABYLON, scene) {\n"
+         "  return suns.map((sun, k) => {\n"
+         "    // The light shines away from where it is.\n"
+         "    const direction = BABYLON.Vector3.FromArray(sun.towards).scale(-1);\n"
+         "    const light = new BABYLON.DirectionalLight('Sun' + (k + 1), direction, scene);\n"
+         "    light.diffuse = light.specular = BABYLON.Color3.FromArray(sun.colour);\n"
+         "    light.intensity = sun.intensity;\n"
+         "    return light;\n  });\n}\n";
+}
+
+std::string blender_text(const Engine& engine, std::span<const DiscLight> lights) {
+  return std::string(engine.text.text) +
+         "\n# The suns of the probe, which background.exr does not hold: (towards, W/m^2, colour, diameter in "
+         "radians).\n"
+         "from mathutils import Vector\n\nSUNS = [\n" +
+         list_of(lights, engine.axes, "    (({towards}), {intensity:.9g}, ({colour}), {radians:.9g}),\n") +
+         "]\n"
+         "for towards, energy, colour, angle in SUNS:\n"
+         "    light = bpy.data.lights.new(\"Sun\", \"SUN\")\n"
+         "    light.energy, light.color, light.angle = energy, colour, angle\n"
+         "    sun = bpy.data.objects.new(\"Sun\", light)\n"
+         "    sun.rotation_mode = \"QUATERNION\"\n"
+         "    sun.rotation_quaternion = Vector(towards).to_track_quat(\"Z\", \"Y\")\n"
+         "    bpy.context.scene.collection.objects.link(sun)\n"
+         "if hasattr(world, \"sun_threshold\"):  # EEVEE would take a sun out of the map once more.\n"
+         "    world.sun_threshold = 0\n";
+}
+
+std::string usd_text(const Engine& engine, std::span<const DiscLight> lights) {
+  std::string suns;
+  int number = 0;
+  for (const DiscLight& light : lights) {
+    const Intensity i = intensity_of(light);
+    const glm::dquat q = quaternion_to(in_world(engine.axes, light.towards));
+    suns += fmt::format(
+        "\n    def DistantLight \"Sun{}\"\n    {{\n        float inputs:angle = {:.6g}\n"
+        "        color3f inputs:color = ({})\n        float inputs:intensity = {:.9g}\n"
+        "        bool inputs:normalize = 1\n        quatd xformOp:orient = ({:.12g}, {:.12g}, {:.12g}, {:.12g})\n"
+        "        uniform token[] xformOpOrder = [\"xformOp:orient\"]\n    }}\n",
+        ++number, 2 * light.radius_degrees, numbers(i.colour), i.value, q.w, q.x, q.y, q.z);
+  }
+  std::string text(engine.text.text);
+  return text.insert(text.rfind('}'), suns);
+}
+
+// light_color is encoded: the engine decodes it.
+std::string godot_text(std::span<const DiscLight> lights) {
+  std::string text = "[gd_scene format=3]\n\n[node name=\"Suns\" type=\"Node3D\"]\n";
+  int number = 0;
+  for (const DiscLight& light : lights) {
+    const Intensity i = intensity_of(light);
+    const Rotation r = turn_to(light.towards);
+    std::string basis;
+    for (int row = 0; row < 3; ++row)
+      for (int column = 0; column < 3; ++column) basis += fmt::format("{:.9g}, ", r[column][row]);
+    Colour encoded(i.colour);
+    encode_srgb({&encoded, 1});
+    text += fmt::format(
+        "\n[node name=\"Sun{}\" type=\"DirectionalLight3D\" parent=\".\"]\ntransform = Transform3D({}0, 0, 0)\n"
+        "light_color = Color({}, 1)\nlight_energy = {:.9g}\nlight_angular_distance = {:.6g}\n"
+        "shadow_enabled = true\nsky_mode = 1\n",
+        ++number, basis, numbers(Flux(encoded)), i.value / pi, 2 * light.radius_degrees);
+  }
+  return text;
+}
+
+std::string table_text(const Engine& engine, std::span<const DiscLight> lights) {
+  return fmt::format(
+             "The suns of the probe as lights, in the axes of {}. The maps hold the rest.\n{}\n"
+             "Irradiance of a plane that faces the sun, in the unit of the maps: intensity x colour (linear "
+             "Rec.709).\n\n",
+             engine.title, suns_unit(engine)) +
+         list_of(
+             lights, engine.axes,
+             "towards ({towards})  intensity {intensity:.9g}  colour ({colour})  diameter {diameter:.6g} degrees\n");
+}
+
+// ---- the engines ----------------------------------------------------------------------------------------------------
+
+struct SunsOf {
+  std::string_view engine, file, unit;
+};
+
+// Where the unit of each is said. An engine without a row has the last.
+constexpr SunsOf suns_rows[] = {
+    // packages/dev/core/src/Lights/light.ts, _getPhotometricScale(): directional lights are in lux, factor 1.
+    {"babylon", "suns.js",
+     "addSuns(BABYLON, scene) of suns.js adds them. DirectionalLight.intensity is in lux (Lights/light.ts, "
+     "_getPhotometricScale)."},
+    {"babylon-env", "suns.js",
+     "addSuns(BABYLON, scene) of suns.js adds them. DirectionalLight.intensity is in lux (Lights/light.ts, "
+     "_getPhotometricScale)."},
+    {"bevy", "suns.txt",
+     "DirectionalLight.illuminance is in lux (docs.rs/bevy, DirectionalLight); EnvironmentMapLight.intensity "
+     "multiplies "
+     "the maps: multiply the illuminance by it, too."},
+    {"blender", "world.py",
+     "The strength of a sun lamp is its irradiance in W/m^2, and radiance 1 of the world is 1 W/(m^2 sr) (manual, "
+     "Lights, Power of Lights)."},
+    {"filament", "suns.txt",
+     "LightManager::Builder(SUN): intensity() is in lux, sunAngularRadius() half of the diameter in degrees "
+     "(LightManager.h); IndirectLight's intensity multiplies the maps: multiply the sun's by it, too."},
+    {"gltf", "suns.gltf", "The intensity of directional lights is in lux (KHR_lights_punctual), the map in cd/m^2."},
+    // servers/rendering/renderer_rd/storage_rd/light_storage.cpp: energy is multiplied by pi, the colour decoded.
+    {"godot", "suns.tscn",
+     "Add suns.tscn to the scene. light_energy times pi is the irradiance where physical light units are off "
+     "(light_storage.cpp)."},
+    {"three", "suns.js",
+     "import { addSuns } from './suns.js', then addSuns(scene). DirectionalLight.intensity is in lux (three.js docs), "
+     "radiance of the map in cd/m^2."},
+    {"unity", "suns.txt",
+     "HDRP: Intensity is in lux, Angular Diameter in degrees (manual, Light component); the sky's multiplier "
+     "multiplies "
+     "the map: multiply the intensity by it, too. Built-in pipeline and URP: intensity / pi."},
+    {"unreal", "suns.txt",
+     "Directional Light: Intensity is in lux, Source Angle the diameter in degrees (documentation, Physical Lighting "
+     "Units); the Sky Light's Intensity Scale multiplies the map: multiply the intensity by it, too."},
+    // UsdLux, DistantLight: "if normalize is true, intensity is the illuminance"; sizeFactor = pi sin^2(angle / 2).
+    {"usd", "light.usda",
+     "DistantLight with inputs:normalize has its irradiance as inputs:intensity, and inputs:angle is its diameter in "
+     "degrees (openusd.org, UsdLuxDistantLight)."},
+    {"", "suns.txt", "The unit is that of the maps: with radiance in cd/m^2, lux."},
+};
+
+const SunsOf& row_of(const Engine& engine) {
+  const auto found = std::ranges::find(suns_rows, engine.name, &SunsOf::engine);
+  return found == std::end(suns_rows) ? suns_rows[std::size(suns_rows) - 1] : *found;
+}
+
+}  // namespace
+
+std::string gltf_lights(std::span<const DiscLight> lights, double lux) {
+  std::string all, nodes, indices;
+  for (std::size_t k = 0; k < lights.size(); ++k) {
+    const Intensity i = intensity_of(lights[k]);
+    const glm::dquat q = quaternion_to(lights[k].towards);
+    const std::string_view comma = k + 1 < lights.size() ? ",\n" : "\n";
+    all += fmt::format(
+        "    {{\"type\": \"directional\", \"name\": \"Sun{}\", \"intensity\": {:.9g}, \"color\": [{}], \"extras\": "
+        "{{\"angularDiameter\": {:.6g}}}}}{}",
+        k + 1, lux * i.value, numbers(i.colour), 2 * lights[k].radius_degrees, comma);
+    nodes += fmt::format(
+        "  {{\"name\": \"Sun{0}\", \"rotation\": [{1:.12g}, {2:.12g}, {3:.12g}, {4:.12g}], \"extensions\": "
+        "{{\"KHR_lights_punctual\": {{\"light\": {5}}}}}}}{6}",
+        k + 1, q.x, q.y, q.z, q.w, k, comma);
+    indices += fmt::format("{}{}", k > 0 ? ", " : "", k);
+  }
+  return fmt::format(
+      "{{\n \"asset\": {{\"version\": \"2.0\", \"generator\": \"envmap\"}},\n"
+      " \"extensionsUsed\": [\"KHR_lights_punctual\"],\n"
+      " \"extensions\": {{\"KHR_lights_punctual\": {{\"lights\": [\n{}   ]}}}},\n"
+      " \"nodes\": [\n{} ],\n \"scenes\": [{{\"nodes\": [{}]}}],\n \"scene\": 0\n}}\n",
+      all, nodes, indices);
+}
+
+std::string suns_file_name(const Engine& engine) { return std::string(row_of(engine).file); }
+
+std::string_view suns_unit(const Engine& engine) { return row_of(engine).unit; }
+
+NamedText suns_file(const Engine& engine, std::span<const DiscLight> lights) {
+  const std::string_view file = row_of(engine).file;
+  std::string text = file == "world.py"       ? blender_text(engine, lights)
+                     : file == "light.usda"   ? usd_text(engine, lights)
+                     : file == "suns.gltf"    ? gltf_lights(lights)
+                     : file == "suns.tscn"    ? godot_text(lights)
+                     : engine.name == "three" ? three_text(engine, lights)
+                     : file == "suns.js"      ? babylon_text(engine, lights)
+                                              : table_text(engine, lights);
+  return {std::string(file), std::move(text)};
+}
+
+}  // namespace envmap
