@@ -58,6 +58,7 @@ VALUES = [
     ('compare latlong.exr black8.exr --max-error 1', {'/within': False}),
     ('convert latlong.exr out.exr --to cube --max-error 0.5',
      {'/error/max': lambda e: e <= 0.5, '/error/within': True, '/output': 'out.exr', '/seconds': lambda t: t > 0}),
+    ('convert latlong.exr out.jpg --gain-map', {'/gain_map': lambda g: g['gain_quality'] == 95}),
     ('convert sun.exr out.exr --to cube --size 64 --max-error 1e-5 --depth float', {'/error': lambda e: e is not None}),
     ('mipmap latlong.exr out.exr',
      {'/levels': lambda levels: len(levels) == 5 and all(abs(off) < 1e-6 for level in levels for off in level['flux_difference'])}),

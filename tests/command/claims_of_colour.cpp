@@ -420,6 +420,50 @@ std::string webp(int width, int height, const std::array<int, 3>& colour, const 
   return "RIFF" + little(4 + chunks.size(), 4) + "WEBP" + chunks;
 }
 
+// One of OpenImageIO's with another colour specification box in its header (ISO 15444-1, annex I.5.3).
+std::string jpeg2000(int width, int height, const std::array<int, 3>& colour, const std::string& specification) {
+  const std::string plain = written_by_openimageio("a.jp2", width, height, colour, 3);
+  const std::size_t header = plain.find("jp2h"), box = plain.find("colr");
+  if (header == plain.npos || box == plain.npos) return {};
+  const auto size_at = [&](std::size_t at) {
+    std::size_t size = 0;
+    for (std::size_t k = at; k < at + 4; ++k) size = size << 8U | static_cast<unsigned char>(plain[k]);
+    return size;
+  };
+  const std::string made = big(8 + specification.size(), 4) + "colr" + specification;
+  return plain.substr(0, header - 4) + big(size_at(header - 4) - size_at(box - 4) + made.size(), 4) +
+         plain.substr(header, box - 4 - header) + made + plain.substr(box - 4 + size_at(box - 4));
+}
+
+void add_jpeg2000(Rows& rows) {
+  const std::string linear = matrix_profile("Linear sRGB", srgb_colorants, linear_curve);
+  const auto with = [](const std::string& specification) { return jpeg2000(64, 32, {188, 188, 188}, specification); };
+  const double light = 188 / 255.0;
+  if (with("").empty()) return;
+  rows.push_back({"JPEG 2000",
+                  "ICC profile",
+                  Becomes::honoured,
+                  "profile.jp2",
+                  with(std::string("\2\0\0", 3) + linear),
+                  {light, light, light},
+                  {"Linear sRGB"},
+                  0.02});
+  rows.push_back({"JPEG 2000",
+                  "ICC profile",
+                  Becomes::refused,
+                  "cut.jp2",
+                  with(std::string("\2\0\0", 3) + linear.substr(0, 300)),
+                  {},
+                  {"ICC profile", "damaged", "--input-space"}});
+  rows.push_back({"JPEG 2000",
+                  "colour space",
+                  Becomes::refused,
+                  "lab.jp2",
+                  with(std::string("\1\0\0", 3) + big(14, 4)),
+                  {},
+                  {"not supported", "colour space 14", "--input-space"}});
+}
+
 void add_carried(Rows& rows) {
   const std::string linear = matrix_profile("Linear sRGB", srgb_colorants, linear_curve);
   rows.push_back({"PSD",
@@ -574,6 +618,7 @@ std::vector<ClaimRow> claims_of_colour() {
   add_jpeg(rows);
   add_bitmaps(rows);
   add_carried(rows);
+  add_jpeg2000(rows);
   return rows;
 }
 

@@ -1,4 +1,6 @@
 // Rows of the table of claims: orientation and place on the sphere.
+#include <cmath>
+
 #include "claims.h"
 
 namespace command_tests {
@@ -93,6 +95,72 @@ void add_textures(std::vector<ClaimRow>& rows) {
       {"PFM", "scale", Becomes::refused, "zero.pfm", "PF\n2 1\n0\n" + repeated(texel, 2), {}, {"scale is 0"}});
 }
 
+// GPano in XMP (ISO 16684-1, section 7): an image that is the upper half of its panorama.
+std::string upper_half(int width, int height) {
+  const auto number = [](const std::string& name, int n) {
+    return "GPano:" + name + "=\"" + std::to_string(n) + "\" ";
+  };
+  return "<x:xmpmeta xmlns:x=\"adobe:ns:meta/\"><rdf:RDF xmlns:rdf=\"http://www.w3.org/1999/02/22-rdf-syntax-ns#\">"
+         "<rdf:Description rdf:about=\"\" xmlns:GPano=\"http://ns.google.com/photos/1.0/panorama/\" " +
+         number("FullPanoWidthPixels", width) + number("FullPanoHeightPixels", 2 * height) +
+         number("CroppedAreaImageWidthPixels", width) + number("CroppedAreaImageHeightPixels", height) +
+         number("CroppedAreaLeftPixels", 0) + number("CroppedAreaTopPixels", 0) + "/></rdf:RDF></x:xmpmeta>";
+}
+
+// WebP with an extended header, and the chunk of XMP behind the texels (WebP container specification).
+std::string webp_with_xmp(int width, int height, const std::string& xmp) {
+  const std::string plain = written_by_openimageio("a.webp", width, height, {188, 188, 188}, 3);
+  if (plain.empty()) return plain;
+  const std::string chunks = "VP8X" + little(10, 4) + little(4, 4) + little(std::uint64_t(width - 1), 3) +
+                             little(std::uint64_t(height - 1), 3) + plain.substr(12) + "XMP " + little(xmp.size(), 4) +
+                             xmp + std::string(xmp.size() % 2, '\0');
+  return "RIFF" + little(4 + chunks.size(), 4) + "WEBP" + chunks;
+}
+
+// The lower half is black: the mean is half of what the texels are.
+void add_panoramas(std::vector<ClaimRow>& rows) {
+  const auto add = [&](const std::string& format, const std::string& name, const std::string& bytes,
+                       const std::array<double, 3>& texel, const std::vector<std::string>& words, double tolerance) {
+    if (!bytes.empty())
+      rows.push_back({format,
+                      "GPano",
+                      Becomes::honoured,
+                      name,
+                      bytes,
+                      {texel[0] / 2, texel[1] / 2, texel[2] / 2},
+                      words,
+                      tolerance});
+  };
+  const std::string xmp = upper_half(8, 2), linear = png_chunk("gAMA", big(100000, 4));
+  const std::array<double, 3> values{32768 / 65535.0, 16384 / 65535.0, 6554 / 65535.0};
+  const std::string keyword("XML:com.adobe.xmp\0", 18);
+  const std::vector<std::string> words{"8x2 of a panorama of 8x4, at 0,0"};
+  const auto text = [&](const std::string& data) {
+    return png(8, 2, 16, {32768, 16384, 6554}, linear + png_chunk("iTXt", keyword + data));
+  };
+  add("PNG", "pano.png", text(std::string(4, '\0') + xmp), values, words, 1e-4);
+  add("PNG", "packed-pano.png", text(std::string("\1\0en\0\0", 6) + stored_zlib(xmp)), values, words, 1e-4);
+  rows.push_back({"PNG",
+                  "GPano",
+                  Becomes::refused,
+                  "broken-pano.png",
+                  text(std::string("\1\0\0\0", 4) + "no zlib"),
+                  {},
+                  {"damaged", "iTXt"}});
+  const std::string strip = repeated(little_float(0.5F) + little_float(0.25F) + little_float(0.125F), 16);
+  add("TIFF", "pano.tif",
+      tiff(8, 2, 3, 32, strip, {{339, 3, 3, little(3, 2) + little(3, 2) + little(3, 2)}, {700, 1, xmp.size(), xmp}}),
+      light, words, 1e-4);
+  const double grey = std::pow((188 / 255.0 + 0.055) / 1.055, 2.4);
+  const std::array<double, 3> greys{grey, grey, grey};
+  const std::vector<std::string> larger{"32x8 of a panorama of 32x16, at 0,0"};
+  add("JPEG", "pano.jpg",
+      jpeg(32, 8, {188, 188, 188},
+           jpeg_segment(1, std::string("http://ns.adobe.com/xap/1.0/\0", 29) + upper_half(32, 8))),
+      greys, larger, 2e-3);
+  add("WebP", "pano.webp", webp_with_xmp(32, 8, upper_half(32, 8)), greys, larger, 0.02);
+}
+
 }  // namespace
 
 std::vector<ClaimRow> claims_of_place() {
@@ -107,6 +175,7 @@ std::vector<ClaimRow> claims_of_place() {
                   light,
                   {"bottom"}});
   add_textures(rows);
+  add_panoramas(rows);
   return rows;
 }
 

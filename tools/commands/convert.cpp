@@ -21,6 +21,7 @@
 #include "envmap/operate/measure.h"
 #include "envmap/projection/matching_size.h"
 #include "maps/colour_and_light_options.h"
+#include "maps/gain_map.h"
 #include "maps/read_and_write_maps.h"
 #include "maps/rotation_options.h"
 #include "maps/shard_options.h"
@@ -46,6 +47,7 @@ struct Convert {
   WriteOptions write;
   GradeOptions grade;
   Shard shard;
+  GainMapRequest gain_map;
   PhotoOptions photo;
   std::optional<double> ball_distance, ball_fov;
   // Of pictures:
@@ -60,7 +62,8 @@ constexpr std::array of_maps{"--for",           "--layout",   "--faces",        
                              "--ball-distance", "--ball-fov", "--forward",        "--mirror",         "--add",
                              "--depth",         "--border",   "--zstd",           "--openexr-envmap", "--compression",
                              "--clamp",         "--shard",    "--output-space",   "--encoded",        "--max-memory",
-                             "--circle",        "--back",     "--circle-picture", "--back-circle"};
+                             "--circle",        "--back",     "--circle-picture", "--back-circle",    "--gain-map",
+                             "--max-bytes"};
 constexpr std::array of_pictures{"--look-at", "--width"};
 
 void refuse_options(const Options& options, bool picture) {
@@ -221,6 +224,15 @@ void check_filter_options(const Convert& o) {
         fmt::format("--samples is for nearest, bilinear and bicubic: remove it or --filter {}", name(*filter)));
 }
 
+// --gain-map: the display curve is that of its picture, and limits are those of its file.
+void resolve_gain_map(Convert& o) {
+  if (!o.gain_map.wanted) return;
+  if (o.engine || o.shard.part)
+    throw UsageError(fmt::format("--gain-map cannot be used with {}", o.engine ? "--for" : "--shard"));
+  o.gain_map.display = o.display;
+  if (o.to) check_gain_map(o.output, gain_map_options(o.gain_map), o.write, *o.to);
+}
+
 // What options say before the input is known: the frame and the file that an engine wants, colours, the output's name.
 const EngineMap* resolve_options(Convert& o) {
   o.photo.field = o.fov;
@@ -233,6 +245,7 @@ const EngineMap* resolve_options(Convert& o) {
   const EngineMap* engine = o.engine ? &environment_of(*o.engine) : nullptr;
   if (engine) resolve_for_engine(*o.engine, *engine, o.shard.part ? "" : o.output, o.to, o.forward, o.write);
   if (o.to) check_output(o.shard.whole(o.output), o.write, *o.to);
+  resolve_gain_map(o);
   return engine;
 }
 
@@ -288,7 +301,9 @@ std::optional<Rows> result_of(const Convert& o, const Resampler& resampler, cons
   const auto& choice = resampler.choice();
   if (choice && !tell_choice(*choice, *o.convert.max_error)) return std::nullopt;
   const Rows rows = resampler.rows();
-  if (!choice || bounds_every_channel(*rounding, resampler.filter().floor * portable::exp2(o.exposure))) return rows;
+  if (!choice || o.gain_map.wanted ||
+      bounds_every_channel(*rounding, resampler.filter().floor * portable::exp2(o.exposure)))
+    return rows;
   made = level_of(rows);
   const bool within = holds(o, *rounding, *made, choice->trials.back().maximum, *o.convert.max_error);
   report.put("error.within", within);
@@ -305,6 +320,23 @@ void tell_filter(const Convert& o, const Frame& from, const Frame& to, const Res
                      std::sqrt(1e-4 / *error)));
 }
 
+// Gain maps round by what the result and the limits make of them: known when it is written.
+std::optional<Rounding> rounding_in_file(const Convert& o, const WriteOptions& write, MirroredAxis mirror) {
+  if (o.gain_map.wanted) return Rounding{.depth = Depth::uint8, .largest = std::nullopt};
+  return mirrored(rounding_of(o.output, write), mirror);
+}
+
+// Writes the file with the error that is left to it. False where a limit cannot be met.
+bool put_gain_map(const Convert& o, const Rows& rows, const WriteOptions& write,
+                  const std::optional<FilterChoice>& choice, Report& report) {
+  GainMapOptions how = gain_map_options(o.gain_map);
+  if (const auto& most = o.convert.max_error) {
+    const double filtered = choice ? choice->trials.back().maximum : 0;
+    how.max_error = (*most - filtered) / (1 + filtered);
+  }
+  return write_gain_map(o.output, rows, how, o.convert.max_error, write, report);
+}
+
 int run(Convert& o, Report& report) {
   const EngineMap* engine = resolve_options(o);
   const MirroredAxis mirror = engine ? engine->mirror : MirroredAxis::none;
@@ -314,7 +346,8 @@ int run(Convert& o, Report& report) {
   ConvertOptions how = resampling_of(o, source.map);
   WriteOptions write = writing_of(o, source, how.gain);
   check_output(o.shard.whole(o.output), write, how.to.projection);
-  const std::optional<Rounding> rounding = mirrored(rounding_of(o.output, write), mirror);
+  if (o.gain_map.wanted) check_gain_map(o.output, gain_map_options(o.gain_map), write, how.to.projection);
+  const std::optional<Rounding> rounding = rounding_in_file(o, write, mirror);
   if (o.convert.max_error && !leave_to_filter(o, rounding, how)) return 1;
 
   const std::string made_of = o.shard.part ? digest(source.map) : "";
@@ -327,10 +360,14 @@ int run(Convert& o, Report& report) {
     report.put_seconds();
     return 1;
   }
-  if (o.display) rows = displayed(o, write, *rows);
+  if (o.display && !o.gain_map.wanted) rows = displayed(o, write, *rows);
   tell_filter(o, from, how.to, resampler);
-  const WriteOptions part = part_or_whole(o.shard, write, *rows, made_of);
-  report.put_written(o.output, write_map(o.output, mirrored({*rows}, mirror), part, "convert"));
+  if (o.gain_map.wanted) {
+    if (!put_gain_map(o, *rows, write, resampler.choice(), report)) return 1;
+  } else {
+    const WriteOptions part = part_or_whole(o.shard, write, *rows, made_of);
+    report.put_written(o.output, write_map(o.output, mirrored({*rows}, mirror), part, "convert"));
+  }
   if (circle) write_circle(o.photo, *circle);
   if (engine) tell_frame(o.output, *o.engine, *engine);
   tell_lost_facts(o.output, {how.to.projection, rows->forward}, write);
@@ -377,10 +414,12 @@ Action define_convert(Options& o) {
   add_faces(o, c->write);
   add_border(o, c->write, "part of --size");
   add_write_options(o, c->write);
+  add_gain_map(o, c->gain_map);
   o.group = groups::quality;
   o.add("--max-error", "E", &c->convert.max_error, {1e-6, 10},
         "Use the fastest filter with errors in the file below E, or exit with 1");
   add_filter(o, c->convert.filter, "{} (default: auto)");
+  add_max_bytes(o, c->gain_map);
   o.add("--samples", "N", &c->samples, range_of(limits::samples),
         "nearest, bilinear, bicubic: N x N samples a texel (default: 1; auto: 1, 2)");
   o.add("--area-error", "E", &c->convert.area_error, range_of(limits::area_error),

@@ -17,6 +17,7 @@
 #include "envmap/io/claims/srgb.h"
 #include "envmap/io/files/face_names.h"
 #include "envmap/io/files/output_file.h"
+#include "envmap/io/fit_gain_map.h"
 #include "envmap/io/formats/file_format.h"
 #include "envmap/io/images/bands.h"
 #include "envmap/io/images/exif_orientation.h"
@@ -29,6 +30,7 @@
 #include "envmap/io/texels/texture_file.h"
 #include "envmap/io/texels/value_range.h"
 #include "envmap/io/write_distances.h"
+#include "envmap/io/write_gain_map.h"
 #include "envmap/io/write_plan.h"
 #include "envmap/map/atlas.h"
 #include "envmap/map/check_chain.h"
@@ -37,6 +39,7 @@
 #include "envmap/maths/portable.h"
 #include "envmap/operate/border_samples.h"
 #include "envmap/operate/levels.h"
+#include "envmap/operate/measure.h"
 
 namespace envmap {
 namespace {
@@ -96,10 +99,39 @@ void write_image(OutputFile& file, const std::string& path, const std::string& e
   writer.close();
 }
 
-// A format that rounds its floats has a shared exponent and no sign.
-Range range_of(const FileFormat& format, Depth depth) {
-  Range range = range_of(depth, format.largest);
-  range.has_sign = range.has_sign && !format.round;
+// What goes into the one JPEG file of a gain map.
+struct GainMapJob {
+  const GainMapOptions& how;
+  GainMapWritten& done;
+};
+
+// The picture of a gain map is encoded. Empty: it is sRGB.
+std::string picture_profile(const ColourOptions& colour) {
+  const std::optional<Primaries> p = primaries_of(colour.config, colour.space);
+  if (!p) throw OutputError(colour.space + " has no primaries, which the picture of a gain map needs");
+  const std::string name = encoded_space_with(*p);
+  return same(*p, rec709) ? "" : icc_profile(name.empty() ? colour.space : name, *p, Curve::srgb);
+}
+
+// All of an image, since what is best for it is known of all of it alone.
+void write_gain_map_image(OutputFile& file, const Atlas& atlas, const Metadata& data, const WriteOptions& options,
+                          const GainMapJob& job) {
+  std::vector<Colour> texels(std::size_t(atlas.width()) * std::size_t(atlas.height()));
+  atlas.gather(0, atlas.height(), texels);
+  const Attributes texts = attributes(data);
+  const FittedGainMap made =
+      fit_gain_map({atlas.width(), atlas.height(), texels}, job.done.floor, job.how,
+                   {picture_profile(options.colour), texts.at(description), data.provenance.owner});
+  job.done.map = made.map, job.done.error = made.error, job.done.bytes = made.bytes.size();
+  job.done.picture_quality = made.picture_quality, job.done.gain_quality = made.gain_quality;
+  file.put(made.bytes.data(), made.bytes.size());
+}
+
+// A format that rounds its floats has a shared exponent and no sign, and gains multiply what has none.
+Range range_of(const OutputPlan& plan) {
+  constexpr double most_of_gains = 0x1p64;
+  Range range = range_of(plan.depth, plan.gain_map ? most_of_gains : plan.format.largest);
+  range.has_sign = range.has_sign && !plan.format.round && !plan.gain_map;
   return range;
 }
 
@@ -117,14 +149,18 @@ std::string too_bright(const ClampStatistics& level, double largest, Depth depth
 }
 
 // Refuses a level of which the depth loses light, or notes how much.
-void check_fit(const std::string& path, const FileFormat& format, const ClampStatistics& level,
+void check_fit(const std::string& path, const OutputPlan& plan, const ClampStatistics& level,
                const WriteOptions& options, Written& done) {
-  const Range range = range_of(format, done.depth);
+  const FileFormat& format = plan.format;
+  const Range range = range_of(plan);
   if (level.nan > 0) throw OutputError(path, fmt::format("{} texels are NaN", level.nan), Remedy::repair);
   if (level.negative > 0 && !options.clamp)
     throw OutputError(path,
                       fmt::format("{} texels are negative, and {} has no sign: clamp them, or choose half or .exr",
-                                  level.negative, format.round ? format.title : name(done.depth)));
+                                  level.negative,
+                                  plan.gain_map  ? "a gain map"
+                                  : format.round ? format.title
+                                                 : name(done.depth)));
   if (level.over > 0 && !options.clamp)
     throw OutputError(path, too_bright(level, range.largest, done.depth),
                       fits_float(format, done.depth, level.brightest) ? Remedy::clamp_or_deepen
@@ -193,6 +229,7 @@ std::uint64_t least_bytes(std::span<const Rows> levels, const FileFormat& format
 struct Destination {
   std::vector<std::byte>* memory = nullptr;  // Takes the bytes of the one file.
   const Rows* distances = nullptr;           // For the channel Z of the one EXR file.
+  const GainMapJob* gain_map = nullptr;
 };
 
 // The levels as the files store them: in their space, within the range of their depth, in their orientation.
@@ -200,7 +237,7 @@ class StoredLevels {
  public:
   StoredLevels(std::span<const Rows> levels, const OutputPlan& plan, const WriteOptions& options) {
     const ColourTransform colours = out_of_working(options.colour);
-    const Range range = range_of(plan.format, plan.depth);
+    const Range range = range_of(plan);
     for (const Rows& level : levels) in_space_.push_back(in_space(level, colours));
     for (const Rows& level : in_space_) {
       limited_.push_back(std::make_unique<ClampedRows>(level, range, options.clamp));
@@ -212,7 +249,7 @@ class StoredLevels {
   [[nodiscard]] std::span<const Rows> rows() const { return rows_; }
   // Once all rows are written. @throws OutputError where the depth loses light, and clamping was not asked for.
   void check_fit_of(const std::string& path, const OutputPlan& plan, const WriteOptions& options, Written& done) const {
-    for (const auto& level : limited_) check_fit(path, plan.format, level->total(), options, done);
+    for (const auto& level : limited_) check_fit(path, plan, level->total(), options, done);
   }
 
  private:
@@ -262,6 +299,9 @@ class MapFiles {
 
  private:
   void write_into(OutputFile& file, const std::string& name, std::span<const Atlas> atlases, const Progress& progress) {
+    if (destination_.gain_map)
+      return naming(name,
+                    [&] { write_gain_map_image(file, atlases.front(), data_, options_, *destination_.gain_map); });
     if (!plan_.format.write)
       return write_image(file, name, plan_.extension, atlases, plan_.depth, data_, options_, destination_.distances,
                          progress);
@@ -370,6 +410,11 @@ Written write_as_planned(const std::string& path, std::span<const Rows> levels, 
   return write_files(path, all_rows_of(map), plan, options, progress, destination);
 }
 
+OutputPlan with_gain_map(OutputPlan plan, bool gain_map) {
+  if (gain_map) plan.depth = Depth::single, plan.gain_map = true;
+  return plan;
+}
+
 Written write_map(const std::string& path, std::span<const Rows> levels, const WriteOptions& options, const Run& run,
                   const Destination& destination) {
   if (levels.empty()) throw UsageError(path, "nothing to write: the map has no levels");
@@ -379,7 +424,8 @@ Written write_map(const std::string& path, std::span<const Rows> levels, const W
   for (const Rows& rows : levels)
     if (rows.projection != base.projection || rows.forward != base.forward)
       throw UsageError(path, "levels of one map must have one projection and forward axis");
-  const OutputPlan plan = plan_output(path, options, base.projection, levels.size() > 1);
+  const OutputPlan plan =
+      with_gain_map(plan_output(path, options, base.projection, levels.size() > 1), destination.gain_map != nullptr);
   check_count(path, levels, options.border);
   return run_operation(run, [&](const Progress& progress) {
     return write_as_planned(path, levels, plan, options, progress, destination);
@@ -430,6 +476,35 @@ Written write_with_distances(const std::string& path, const EnvironmentMap& map,
     std::ranges::transform(view.row(face, row), out.begin(), [](float z) { return Colour(z); });
   };
   return write_map(path, all_rows_of(map), options, run, {.distances = &rows});
+}
+
+void check_gain_map(const std::string& path, const GainMapOptions& how, const WriteOptions& options,
+                    Projection projection) {
+  if (how.channels != 1 && how.channels != 3)
+    throw UsageError(fmt::format("a gain map has 1 or 3 channels, not {}", how.channels));
+  if (how.display) check_enumerator("display", *how.display);
+  if (how.max_error && !(*how.max_error > 0)) throw UsageError("the error of a gain map must be above 0");
+  const OutputPlan plan = plan_output(path, options, projection, false);
+  if (!plan.format.can(FileFormat::gain_map) || plan.layout == Layout::files || has_level(path))
+    throw UsageError(path, "a gain map is written to one .jpg file");
+  if (options.depth) throw UsageError(path, "a gain map has no depth to choose");
+  if (!options.colour.space.empty() && curve_of(options.colour.config, options.colour.space) != Curve::linear)
+    throw UsageError(path, fmt::format("{} is encoded, and a gain map makes linear light", options.colour.space),
+                     Remedy::choose_linear);
+}
+
+GainMapWritten write_gain_map(const std::string& path, const Rows& rows, const GainMapOptions& how,
+                              const WriteOptions& options, const Run& run) {
+  check_gain_map(path, how, options, rows.projection);
+  check_rows(rows);
+  GainMapWritten done;
+  const Level level = run_operation(run, [&](const Progress&) { return level_of(rows); });
+  const double mean = mean_radiance(level);
+  done.floor = mean > 0 ? 0.001 * mean : 1;
+  const GainMapJob job{how, done};
+  const Rows held = rows_of(level, rows.forward);
+  done.written = write_map(path, std::span(&held, 1), options, run, {.gain_map = &job});
+  return done;
 }
 
 }  // namespace envmap

@@ -29,7 +29,8 @@ struct OutputPlan {
   const FileFormat& format;
   Depth depth;
   Layout layout;
-  FaceFiles faces;  ///< Of Layout::files.
+  FaceFiles faces;        ///< Of Layout::files.
+  bool gain_map = false;  ///< A picture of integers beside gains; `depth` is that of the light.
 };
 
 /// @param levels whether there will be more than one. @throws UsageError or OutputError, as check_output() says.

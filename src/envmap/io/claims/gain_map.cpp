@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "envmap/base/error.h"
@@ -159,24 +160,51 @@ std::optional<GainMap> gain_map_of_iso(std::span<const unsigned char> bytes) {
   return checked(map);
 }
 
+namespace {
+
+// What the light of the base and its offset are multiplied by, of a share of 255ths.
+double gain_of(const GainMap::Channel& of, double weight, double stored) {
+  const double share = of.gamma == 1 ? stored : of.gamma == 0.5 ? stored * stored : portable::pow(stored, 1 / of.gamma);
+  return portable::exp2(weight * (of.least * (1 - share) + of.most * share));
+}
+
+float lit(const GainMap::Channel& of, float base, double gain) {
+  return float(std::max((double{base} + of.base_offset) * gain - of.offset, 0.0));
+}
+
+// Of a gain map as large as its picture, whose texels each have one of 256 gains.
+void apply_texels(const GainMap& map, double weight, const unsigned char* texels, std::span<Colour> row) {
+  std::array<std::array<double, 256>, 3> gains;
+  for (std::size_t c = 0; c < 3; ++c)
+    for (int k = 0; k < 256; ++k) gains[c][std::size_t(k)] = gain_of(map.of[c], weight, k / 255.0);
+  for (std::size_t x = 0; x < row.size(); ++x)
+    for (int c = 0; c < 3; ++c)
+      row[x][c] =
+          lit(map.of[std::size_t(c)], row[x][c],
+              gains[std::size_t(c)][texels[x * std::size_t(map.channels) + (map.channels == 1 ? 0U : unsigned(c))]]);
+}
+
+}  // namespace
+
 void apply_gain(const GainMap& map, double weight, int y, int height, std::span<Colour> row) {
+  constexpr std::size_t narrow = 256;  // As wide as the table that apply_texels() makes.
+  const std::size_t across = std::size_t(map.width) * std::size_t(map.channels);
+  if (row.size() == std::size_t(map.width) && height == map.height && row.size() >= narrow)
+    return apply_texels(map, weight, map.values.data() + std::size_t(y) * across, row);
   const Between rows = between(y, height, map.height);
   const auto value = [&](int j, int i, int c) {
-    return map.values[(std::size_t(j) * std::size_t(map.width) + std::size_t(i)) * std::size_t(map.channels) +
-                      std::size_t(c)];
+    return map.values[std::size_t(j) * across + std::size_t(i) * std::size_t(map.channels) + std::size_t(c)];
   };
   for (std::size_t x = 0; x < row.size(); ++x) {
     const Between columns = between(int(x), int(row.size()), map.width);
     for (int c = 0; c < 3; ++c) {
       const GainMap::Channel& of = map.of[std::size_t(c)];
       const int k = map.channels == 1 ? 0 : c;
-      const auto across = [&](int j) {
+      const auto along = [&](int j) {
         return value(j, columns.first, k) * (1 - columns.part) + value(j, columns.second, k) * columns.part;
       };
-      const double stored = (across(rows.first) * (1 - rows.part) + across(rows.second) * rows.part) / 255;
-      const double share = of.gamma == 1 ? stored : portable::pow(stored, 1 / of.gamma);
-      const double gain = portable::exp2(weight * (of.least * (1 - share) + of.most * share));
-      row[x][c] = float(std::max((double{row[x][c]} + of.base_offset) * gain - of.offset, 0.0));
+      const double stored = (along(rows.first) * (1 - rows.part) + along(rows.second) * rows.part) / 255;
+      row[x][c] = lit(of, row[x][c], gain_of(of, weight, stored));
     }
   }
 }

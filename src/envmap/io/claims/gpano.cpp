@@ -9,42 +9,24 @@
 
 #include "envmap/base/error.h"
 #include "envmap/io/claims/xmp.h"
+#include "envmap/io/claims/xmp_packet.h"
 
 namespace envmap {
 namespace {
 
 constexpr std::string_view space = "http://ns.google.com/photos/1.0/panorama/";
-constexpr std::array<std::string_view, 5> formats_with_xmp{"jpeg", "png", "tiff", "webp", "heif"};
-
-// The packet that names the space, out of bytes of a file: ISO 16684-3 has programs look for packets where they do not
-// know the format. Packets are text, not compressed.
-std::string packet_in(const std::string& bytes) {
-  const std::size_t at = bytes.find(space);
-  if (at == bytes.npos) return {};
-  constexpr std::string_view open = "<rdf:RDF", close = "</rdf:RDF>";
-  const std::size_t begin = bytes.rfind(open, at), end = bytes.find(close, at);
-  if (begin == bytes.npos || end == bytes.npos) throw InputError("damaged: GPano XMP that is not in one piece");
-  return bytes.substr(begin, end + close.size() - begin);
-}
-
-// They lie near the beginning of files, or near the end of those whose texels come first.
-std::string packet_of(const InputFile& file) {
-  constexpr std::uint64_t part = 1 << 20;
-  const auto read = [&](std::uint64_t from) {
-    std::string bytes(std::min(part, file.size() - from), '\0');
-    bytes.resize(file.pread(bytes.data(), bytes.size(), from));
-    return packet_in(bytes);
-  };
-  const std::string first = read(0);
-  return first.empty() && file.size() > part ? read(file.size() - part) : first;
+// The first packet that speaks of a panorama.
+std::string packet_of(const Image& image) {
+  for (std::string& packet : xmp_packets(*image.file, image.reader->format))
+    if (packet.find(space) != packet.npos) return std::move(packet);
+  return {};
 }
 
 }  // namespace
 
 std::optional<Panorama> panorama_of(const Image& image) {
-  if (!image.reader || std::ranges::find(formats_with_xmp, image.reader->format) == formats_with_xmp.end())
-    return std::nullopt;
-  const std::string packet = packet_of(*image.file);
+  if (!image.reader) return std::nullopt;
+  const std::string packet = packet_of(image);
   if (packet.empty()) return std::nullopt;
   const std::vector<XmpNode> xmp = parse_xmp(packet);
   const auto number = [&](std::string_view name) { return xmp_number(xmp, space, name); };

@@ -367,9 +367,21 @@ TextureFile open_dds(const InputFile& file) {
   return texture;
 }
 
-void check_dds(const InputFile& file) {
+ImageReader open_dds_image(InputFile& file, const std::string& name) {
   const auto h = read_as<Header>(file, 0);
+  // OpenImageIO 2.4 goes round and round where a channel has no bits.
   if (!(h.format.flags & format_four_cc)) (void)content_by_masks(h.format);
+  file.hold();
+  try {
+    return formats().open("dds", name, file.bytes(), true, false);
+  } catch (const InputError& e) {
+    const std::string why = e.what();
+    if (why.find("nsupported") == why.npos || !(h.format.flags & format_four_cc)) throw;
+    const bool has_dx10 = h.format.four_cc == four("DX10");
+    throw InputError(
+        fmt::format("not supported: an image on a surface in DDS of {}: {}",
+                    has_dx10 ? dxgi_name(read_as<Dx10>(file, sizeof h).dxgi) : four_cc_name(h.format.four_cc), why));
+  }
 }
 
 // Writing.

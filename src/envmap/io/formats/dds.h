@@ -6,9 +6,11 @@
 #pragma once
 
 #include <span>
+#include <string>
 
 #include "envmap/base/run.h"
 #include "envmap/io/files/output_file.h"
+#include "envmap/io/images/image_reader.h"
 #include "envmap/io/texels/texture_file.h"
 #include "envmap/map/atlas.h"
 
@@ -23,8 +25,8 @@ void write_dds(OutputFile& file, std::span<const Atlas> levels, const TexturePla
 /// blocks alone go through it. Not read: arrays, volumes, cubes that lack a face, channels with a sign.
 TextureFile open_dds(const InputFile& file);
 
-/// Images on surfaces are left to OpenImageIO. @throws InputError where its integers lie as no program means them:
-/// OpenImageIO 2.4 goes round and round where a channel has no bits.
-void check_dds(const InputFile& file);
+/// An image on a surface, which OpenImageIO reads. @param name for its messages.
+/// @throws InputError, which names the format, also where integers lie as no program means them.
+ImageReader open_dds_image(InputFile& file, const std::string& name);
 
 }  // namespace envmap

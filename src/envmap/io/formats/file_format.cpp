@@ -126,7 +126,7 @@ constexpr FileFormat directx{
     .open =
         [](Image& i, const ImageChoice&) {
           if (i.for_texture)
-            check_dds(*i.file);
+            i.reader = open_dds_image(*i.file, i.name);
           else
             i.texture = open_dds(*i.file);
         },

@@ -223,6 +223,19 @@ class Reader {
 
 // ---- gain maps ------------------------------------------------------------------------------------------------------
 
+std::vector<unsigned char> all_texels(JpegFile& jpeg, const Header& h) {
+  const std::size_t row = std::size_t(h.width) * std::size_t(h.channels);
+  std::vector<unsigned char> values(row * std::size_t(h.height));
+  jpeg.run([&](jpeg_decompress_struct& j) {
+    jpeg_start_decompress(&j);
+    while (j.output_scanline < j.output_height) {
+      JSAMPROW to = values.data() + std::size_t{j.output_scanline} * row;
+      jpeg_read_scanlines(&j, &to, 1);
+    }
+  });
+  return values;
+}
+
 // The image of a gain map, as bytes.
 void read_gains(const InputFile& file, std::uint64_t at, GainMap& map) {
   JpegFile jpeg(file, at);
@@ -232,15 +245,7 @@ void read_gains(const InputFile& file, std::uint64_t at, GainMap& map) {
     throw InputError(fmt::format("damaged: a gain map of {}x{}", h.width, h.height), Remedy::take_base);
   if (h.is_cmyk()) throw InputError("damaged: a gain map of inks", Remedy::take_base);
   map.width = h.width, map.height = h.height, map.channels = h.channels;
-  map.values.resize(std::size_t(h.width) * std::size_t(h.height) * std::size_t(h.channels));
-  jpeg.run([&](jpeg_decompress_struct& j) {
-    jpeg_start_decompress(&j);
-    while (j.output_scanline < j.output_height) {
-      JSAMPROW row =
-          map.values.data() + std::size_t{j.output_scanline} * std::size_t(map.width) * std::size_t(map.channels);
-      jpeg_read_scanlines(&j, &row, 1);
-    }
-  });
+  map.values = all_texels(jpeg, h);
 }
 
 // A picture whose light is worked out of the base and the gain.
@@ -364,6 +369,12 @@ std::optional<ImageReader> open_jpeg(const InputFile& file, std::optional<double
                      .read = [reader](int, int begin, int end, int first, int count, std::span<float> out) {
                        reader->read(begin, end, first, count, out);
                      }};
+}
+
+std::vector<unsigned char> decode_jpeg(const std::string& bytes) {
+  const InputFile file(std::span<const char>(bytes.data(), bytes.size()));
+  JpegFile jpeg(file);
+  return all_texels(jpeg, read_header(jpeg));
 }
 
 }  // namespace envmap

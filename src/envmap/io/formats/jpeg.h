@@ -4,6 +4,8 @@
 #pragma once
 
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "envmap/io/files/input_file.h"
 #include "envmap/io/images/image_reader.h"
@@ -17,5 +19,8 @@ namespace envmap {
 /// description or a copyright, or of colours that JFIF and Adobe do not define.
 std::optional<ImageReader> open_jpeg(const InputFile& file, std::optional<double> headroom = {},
                                      bool for_texture = false);
+
+/// All texels of an image of one or three channels in memory, as readers find them.
+std::vector<unsigned char> decode_jpeg(const std::string& bytes);
 
 }  // namespace envmap

@@ -124,28 +124,7 @@ class Colours {
     const auto name_size = std::size_t(end - chunk->data.begin());
     if (name_size == 0 || name_size > 79 || chunk->data.size() < name_size + 2) damaged("iCCP", "has no profile");
     const std::string name(reinterpret_cast<const char*>(chunk->data.data()), name_size);
-    if (is_first("iCCP", name, true)) facts_.icc_profile = inflated(chunk->data.subspan(name_size + 2));
-  }
-
-  static std::string inflated(Data data) {
-    constexpr std::size_t most = 1 << 26;  // Profiles of printers take some megabytes.
-    std::string out;
-    z_stream stream{};
-    if (inflateInit(&stream) != Z_OK) throw std::bad_alloc();
-    stream.next_in = reinterpret_cast<Bytef*>(const_cast<std::byte*>(data.data()));
-    stream.avail_in = uInt(data.size());
-    int status = Z_OK;
-    while (status == Z_OK && out.size() < most) {
-      const std::size_t done = out.size();
-      out.resize(done + (1 << 16));
-      stream.next_out = reinterpret_cast<Bytef*>(out.data() + done);
-      stream.avail_out = 1 << 16;
-      status = inflate(&stream, Z_NO_FLUSH);
-      out.resize(out.size() - stream.avail_out);
-    }
-    inflateEnd(&stream);
-    if (status != Z_STREAM_END) damaged("iCCP", "does not decompress");
-    return out;
+    if (is_first("iCCP", name, true)) facts_.icc_profile = inflated("iCCP", chunk->data.subspan(name_size + 2));
   }
 
   void read_srgb() {
@@ -608,6 +587,28 @@ ImageWriter create_png(OutputFile& file, const ImagePlan& plan) {
                 }
               },
           .close = [png] { png->run([](png_structp p, png_infop info) { png_write_end(p, info); }); }};
+}
+
+std::string inflated(std::string_view type, std::span<const std::byte> data) {
+  constexpr std::size_t most = 1 << 26;  // Profiles of printers take some megabytes.
+  std::string out;
+  z_stream stream{};
+  if (inflateInit(&stream) != Z_OK) throw std::bad_alloc();
+  stream.next_in = reinterpret_cast<Bytef*>(const_cast<std::byte*>(data.data()));
+  stream.avail_in = uInt(data.size());
+  int status = Z_OK;
+  while (status == Z_OK && out.size() < most) {
+    const std::size_t done = out.size();
+    out.resize(done + (1 << 16));
+    stream.next_out = reinterpret_cast<Bytef*>(out.data() + done);
+    stream.avail_out = 1 << 16;
+    status = inflate(&stream, Z_NO_FLUSH);
+    out.resize(out.size() - stream.avail_out);
+  }
+  inflateEnd(&stream);
+  if (status != Z_STREAM_END)
+    throw InputError(fmt::format("damaged: its {} chunk does not decompress", type), Remedy::choose_space);
+  return out;
 }
 
 }  // namespace envmap

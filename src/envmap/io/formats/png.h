@@ -6,6 +6,8 @@
 #include <cstddef>
 #include <optional>
 #include <span>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "envmap/io/files/input_file.h"
@@ -34,6 +36,10 @@ std::vector<char> png_of_rgba(std::span<const std::byte> rgba, int width, int he
 
 /// Any PNG image; one without alpha gets 255. @throws InputError without a file's name.
 RgbaImage rgba_of_png(std::span<const std::byte> png);
+/// What a zlib stream in a chunk holds. @param type of the chunk, for messages.
+/// @throws InputError without a file's name.
+std::string inflated(std::string_view type, std::span<const std::byte> data);
+
 /// Its header alone.
 Size size_of_png(std::span<const std::byte> png);
 
