@@ -132,14 +132,14 @@ void add_panoramas(std::vector<ClaimRow>& rows) {
                       tolerance});
   };
   const std::string xmp = upper_half(8, 2), linear = png_chunk("gAMA", big(100000, 4));
-  const std::array<double, 3> values{32768 / 65535.0, 16384 / 65535.0, 6554 / 65535.0};
+  const std::array<double, 3> radiance{32768 / 65535.0, 16384 / 65535.0, 6554 / 65535.0};
   const std::string keyword("XML:com.adobe.xmp\0", 18);
   const std::vector<std::string> words{"8x2 of a panorama of 8x4, at 0,0"};
   const auto text = [&](const std::string& data) {
     return png(8, 2, 16, {32768, 16384, 6554}, linear + png_chunk("iTXt", keyword + data));
   };
-  add("PNG", "pano.png", text(std::string(4, '\0') + xmp), values, words, 1e-4);
-  add("PNG", "packed-pano.png", text(std::string("\1\0en\0\0", 6) + stored_zlib(xmp)), values, words, 1e-4);
+  add("PNG", "pano.png", text(std::string(4, '\0') + xmp), radiance, words, 1e-4);
+  add("PNG", "packed-pano.png", text(std::string("\1\0en\0\0", 6) + stored_zlib(xmp)), radiance, words, 1e-4);
   rows.push_back({"PNG",
                   "GPano",
                   Becomes::refused,
