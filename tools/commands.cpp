@@ -38,7 +38,7 @@ Action define(const Command& command, Options& o, Settings& s) {
     o.add("--depfile", "FILE", &s.depfile, "Write the dependencies of the output in Make syntax");
     o.flag("--if-changed", s.commit.if_changed, "Keep an output with unchanged content, and its modification time");
     o.flag("--force", s.commit.force, "Replace read-only outputs");
-    o.flag("--fsync", s.commit.sync, "Flush outputs to disk before exiting");
+    o.flag("--fsync", s.commit.sync, "Flush outputs to disk before exiting").folded = true;
     if (const Option* const output = o.output(); output != nullptr && !output->is_argument())
       o.need(output->name, {"--depfile", "--if-changed", "--force", "--fsync"});
   }
