@@ -92,12 +92,11 @@ py::list render_maps(const KeptScene& scene, const std::string& to, const std::v
 // @return cells, corners, coefficients (z, y, x, 9, 3), validity (z, y, x), error and remarks.
 py::tuple grid_of(const KeptScene& scene, const std::array<int, 3>& cells,
                   const std::optional<std::array<Triple, 2>>& box, int size, int places, const KeptLight& light,
-                  const std::optional<Triple>& ambient, double near, double far, double time, bool shadows,
-                  int occlusion, const py::object& progress) {
+                  const std::optional<Triple>& ambient, double far, double time, bool shadows, int occlusion,
+                  const py::object& progress) {
   GridOptions o{.cells = cells,
                 .size = size,
                 .error_places = places,
-                .near_metres = near,
                 .far_metres = far,
                 .time_seconds = time,
                 .shadows = shadows,

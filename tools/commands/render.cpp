@@ -201,7 +201,7 @@ std::vector<std::string> all_files(const Frames& frames, const std::vector<std::
 
 int run(Request& o, Report& report) {
   if (!o.grid.cells.empty()) {
-    o.grid.size = o.size, o.grid.near = o.from.near, o.grid.far = o.from.far;
+    o.grid.size = o.size, o.grid.far = o.from.far;
     return write_grid(o.scene, o.grid, o.output, report);
   }
   o.from.size = o.size.value_or(256);

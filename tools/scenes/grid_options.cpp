@@ -17,9 +17,8 @@ namespace {
 using namespace envmap;
 
 // Options of `render` that mean the same for a grid.
-constexpr std::string_view shared[] = {"--size",          "--near",       "--far",       "--environment",
-                                       "--ambient",       "--no-shadows", "--occlusion", "--time",
-                                       "--allow-missing", "--max-pixels", "--repair"};
+constexpr std::string_view shared[] = {"--size",      "--far",  "--environment",   "--ambient",    "--no-shadows",
+                                       "--occlusion", "--time", "--allow-missing", "--max-pixels", "--repair"};
 
 std::array<int, 3> cells_of(const std::string& text) {
   const auto numbers = triple_of(text);
@@ -77,7 +76,7 @@ void add_grid(Options& o, GridRequest& grid) {
 }
 
 int write_grid(const SceneOptions& scene, const GridRequest& o, const std::string& output, Report& report) {
-  GridOptions options{.cells = cells_of(o.cells), .near_metres = o.near, .far_metres = o.far};
+  GridOptions options{.cells = cells_of(o.cells), .far_metres = o.far};
   if (o.size) options.size = *o.size;
   check_grid_file(output);
   check_files({output}, {scene.path, scene.environment});

@@ -14,7 +14,7 @@ struct GridRequest {
   std::string cells;  // NX,NY,NZ; empty: no grid.
   std::optional<envmap::Direction> low, high;
   std::optional<int> size;
-  double near = 0.01, far = 1000;
+  double far = 1000;
 };
 
 // --grid, --grid-low and --grid-high, which exclude all rows before them that are about single maps.

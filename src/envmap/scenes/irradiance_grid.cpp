@@ -11,7 +11,7 @@
 #include "envmap/base/part_progress.h"
 #include "envmap/maths/check_direction.h"
 #include "envmap/operate/check_options.h"
-#include "envmap/operate/grade.h"
+#include "envmap/operate/convert.h"
 #include "envmap/projection/visit.h"
 #include "envmap/scenes/check_drawing.h"
 #include "envmap/scenes/grid_of_shot.h"
@@ -26,8 +26,7 @@ void check(const GridOptions& o) {
   for (const int count : o.cells) check_range({"cells", 1, 256}, count);
   check_range({"size", 4, 256}, o.size);
   check_range({"error_places", 0, 4096}, o.error_places);
-  check_drawing(RenderOptions{.near_metres = o.near_metres,
-                              .far_metres = o.far_metres,
+  check_drawing(RenderOptions{.far_metres = o.far_metres,
                               .time_seconds = o.time_seconds,
                               .ambient = o.ambient,
                               .occlusion = o.occlusion},
@@ -49,7 +48,7 @@ SceneBox box_of(const GridOptions& o, const FrameState& shot) {
 class GridRays {
  public:
   GridRays(const FrameState& shot, const GridOptions& o, const SceneBox& box)
-      : from_{.at = 0.5 * box.low + 0.5 * box.high, .near = o.near_metres, .far = o.far_metres},
+      : from_{.at = 0.5 * box.low + 0.5 * box.high, .near = 0, .far = o.far_metres},
         tree_(shot, from_.at, -1),
         light_(lighting(shot, &tree_)),
         tracer_(tree_, light_, shot, from_, {}) {
@@ -57,34 +56,64 @@ class GridRays {
       two_sided_.push_back(shot.scene.materials[shot.scene.meshes[i.mesh].material].double_sided);
   }
 
-  // Of the radiance that arrives at a place.
-  [[nodiscard]] EnvironmentMap map(const Direction& at, Projection to, int size) const {
+  // The environment as such a map: each texel has the mean over it, so that a sun is not missed between rays.
+  [[nodiscard]] EnvironmentMap sky(Projection to, int size) const {
+    if (light_.environment == nullptr) return blank_map(to, size);
+    return convert(light_.environment->map, {.to = to, .size = size, .filter = Filter::area});
+  }
+
+  // Of the radiance that arrives at a place. @param sky of that projection and size.
+  [[nodiscard]] EnvironmentMap map(const Direction& at, const EnvironmentMap& sky) const {
+    const Projection to = sky.projection();
+    const int size = sky.base().height();
     EnvironmentMap seen = blank_map(to, size);
     Level& level = seen.base();
     for_each_row(level.faces(), level.height(), {}, [&](int face, int row) {
       std::vector<Direction> rays(std::size_t(level.width()));
       texel_directions(to, size, face, row, 0, rays);
       for (std::size_t i = 0; i < rays.size(); ++i)
-        level.row(face, row)[i] = look(tree_, tracer_, light_, from_, at - from_.at, rays[i]).radiance;
+        level.row(face, row)[i] =
+            look(tree_, tracer_, light_, from_, at - from_.at, rays[i], &sky.base().row(face, row)[i]).radiance;
     });
     return seen;
+  }
+
+  // Irradiance there of surfaces that face the corners of a cube: the sum over all texels of such a map.
+  [[nodiscard]] std::array<Flux, 8> irradiance(const Direction& at, const EnvironmentMap& sky) const {
+    const EnvironmentMap seen = map(at, sky);
+    const Level& level = seen.base();
+    std::array<Flux, 8> sums{};
+    std::vector<Direction> from(std::size_t(level.width()));
+    std::vector<double> solid_angle(from.size());
+    for (int face = 0; face < level.faces(); ++face)
+      for (int row = 0; row < level.height(); ++row) {
+        texel_directions(level.projection(), level.height(), face, row, 0, from);
+        solid_angles(level.projection(), level.height(), row, solid_angle);
+        for (std::size_t i = 0; i < from.size(); ++i)
+          for (std::size_t k = 0; k < 8; ++k)
+            sums[k] += solid_angle[i] * std::max(0.0, glm::dot(corner(k), from[i])) * Flux(level.row(face, row)[i]);
+      }
+    return sums;
+  }
+  static Direction corner(std::size_t k) {
+    return Direction((k & 1) != 0 ? 1 : -1, (k & 2) != 0 ? 1 : -1, (k & 4) != 0 ? 1 : -1) / std::sqrt(3.0);
   }
 
   // IrradianceGrid::validity. A surface that shows both sides tells nothing of what is solid.
   [[nodiscard]] double validity(const Direction& at) const {
     constexpr int size = 8;
-    const std::vector<double> valid = map_rows<double>(6 * size, [&](int k) {
+    const std::vector<double> backs = map_rows<double>(6 * size, [&](int k) {
       std::vector<Direction> rays(size);
       std::vector<double> solid_angle(size);
       texel_directions(Projection::cube, size, k / size, k % size, 0, rays);
       solid_angles(Projection::cube, size, k % size, solid_angle);
       double sum = 0;
-      for (std::size_t i = 0; i < rays.size(); ++i) sum += sees_back(at, rays[i]) ? 0 : solid_angle[i];
+      for (std::size_t i = 0; i < rays.size(); ++i) sum += sees_back(at, rays[i]) ? solid_angle[i] : 0;
       return sum;
     });
     double sum = 0;
-    for (const double row : valid) sum += row;
-    return std::min(1.0, sum / (4 * pi));
+    for (const double row : backs) sum += row;
+    return std::max(0.0, 1 - sum / (4 * pi));
   }
 
  private:
@@ -110,9 +139,10 @@ void for_cells(const std::array<int, 3>& cells, const F& f) {
 
 void fill(IrradianceGrid& grid, const GridRays& rays, int size, const Progress& progress) {
   const double count = double(grid.cells[0]) * grid.cells[1] * grid.cells[2];
+  const EnvironmentMap sky = rays.sky(Projection::cube, size);
   for_cells(grid.cells, [&](int x, int y, int z) {
     const Direction at = grid.centre(x, y, z);
-    grid.light.push_back(shader_sh(rays.map(at, Projection::cube, size), ShBasis::three, ShWindow::automatic));
+    grid.light.push_back(shader_sh(rays.map(at, sky), ShBasis::three, ShWindow::none));
     grid.validity.push_back(rays.validity(at));
     if (progress) progress(double(grid.light.size()) / count);
   });
@@ -169,17 +199,15 @@ class RandomPlaces {
 
 GridError error_of(const IrradianceGrid& grid, const GridRays& rays, const GridOptions& o, const Progress& progress) {
   RandomPlaces places(grid.box);
+  const EnvironmentMap sky = rays.sky(Projection::latlong, 2 * o.size);
   GridError error;
   std::vector<std::pair<Flux, Flux>> pairs;  // Interpolated, and as it is.
   for (int tries = 0; tries < 4 * o.error_places && error.places < o.error_places; ++tries) {
     const Direction at = places.next();
     if (progress) progress(double(tries) / (4 * o.error_places));
     if (rays.validity(at) < IrradianceGrid::least_validity) continue;
-    const EnvironmentMap seen = rays.map(at, Projection::latlong, 2 * o.size);
-    for (int k = 0; k < 8; ++k) {
-      const Direction normal((k & 1) != 0 ? 1 : -1, (k & 2) != 0 ? 1 : -1, (k & 4) != 0 ? 1 : -1);
-      pairs.emplace_back(grid.irradiance(at, normal), irradiance(seen, normal));
-    }
+    const std::array<Flux, 8> there = rays.irradiance(at, sky);
+    for (std::size_t k = 0; k < 8; ++k) pairs.emplace_back(grid.irradiance(at, GridRays::corner(k)), there[k]);
     ++error.places;
   }
   double difference = 0, all = 0, sum = 0;

@@ -21,7 +21,7 @@ struct GridOptions {
   std::optional<SceneBox> box = {};              ///< Cells fill it. Absent: Scene::box().
   int size = 16;                                 ///< Height of a face of the cube that is seen from a cell, 4 to 256.
   int error_places = 64;                         ///< Random places where the error is measured, 0 to 4096.
-  double near_metres = 0.01, far_metres = 1000;  ///< Nothing nearer or further is seen.
+  double far_metres = 1000;                      ///< Nothing further is seen.
   double time_seconds = 0;                       ///< Of the scene's movements, -1e6 to 1e6.
   std::optional<Colour> ambient = {};            ///< Radiance from all round, on surfaces.
   bool shadows = true;
@@ -38,8 +38,8 @@ struct GridError {
 struct IrradianceGrid {
   std::array<int, 3> cells{0, 0, 0};
   SceneBox box;
-  /// Of each cell's middle, by ShBasis::three; x runs fastest, then y, then z. Cells inside solids have the mean of
-  /// their neighbours that are not.
+  /// Of each cell's middle, by ShBasis::three without a window: shaders clamp what falls below 0. x runs fastest, then
+  /// y, then z. Cells inside solids have the mean of their neighbours that are not.
   std::vector<ShaderSh> light;
   /// The part of all directions where the first surface shows its front, or nothing is: below least_validity inside
   /// solids, and behind walls that are seen from one side only.

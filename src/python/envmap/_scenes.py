@@ -451,7 +451,7 @@ class Scene:
 
     @public
     def irradiance_grid(self, cells: Cells = (4, 4, 4), *, box: Box | None = None, size: Whole = 16, error_places: Whole = 64,
-                        environment: AnyLight | None = None, ambient: Triple | None = None, near: Number = 0.01, far: Number = 1000.0,
+                        environment: AnyLight | None = None, ambient: Triple | None = None, far: Number = 1000.0,
                         time: Number = 0.0, shadows: bool = True, occlusion: Whole = 64, progress: Progress = None) -> IrradianceGrid:
         """Finds the light at the cells of a box, as LightProbeGrid of three.js and IrradianceVolume of Bevy take it.
 
@@ -473,7 +473,7 @@ class Scene:
         IrradianceGrid
         """
         (low, high), coefficients, validity, places, rms, largest, remarks = self._core.grid(
-            cells, box, size, error_places, _light(environment), ambient, near, far, time, shadows, occlusion, progress)
+            cells, box, size, error_places, _light(environment), ambient, far, time, shadows, occlusion, progress)
         _warn(self, remarks)
         return IrradianceGrid(coefficients, validity, low, high, places, rms, largest)
 

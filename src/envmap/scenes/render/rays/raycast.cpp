@@ -10,7 +10,7 @@
 namespace envmap {
 
 Seen look(const EmbreeScene& tree, const WhittedIntegrator& tracer, const Lighting& lighting, const Viewpoint& from,
-          const Direction& origin, const Direction& ray) {
+          const Direction& origin, const Direction& ray, const Colour* behind) {
   Seen seen;
   float left = 1;  // Of what is behind.
   double near = from.near;
@@ -25,7 +25,8 @@ Seen look(const EmbreeScene& tree, const WhittedIntegrator& tracer, const Lighti
     left -= part;
     near = hit->distance + EmbreeScene::clearance(origin + hit->distance * ray);
   }
-  seen.radiance += left * (background(lighting.environment, ray) + (from.show_ambient ? lighting.ambient : Colour(0)));
+  const Colour sky = behind != nullptr ? *behind : background(lighting.environment, ray);
+  seen.radiance += left * (sky + (from.show_ambient ? lighting.ambient : Colour(0)));
   return seen;
 }
 
