@@ -109,9 +109,8 @@ def _rendered(map: Map, method: str, missing: float, remarks: list[str]) -> Rend
     return made
 
 
-def _draw(scene: "Scene", to: str, places: list[Any], size: int, samples: int, environment: object, ambient: object, forward: object,
-          near: float, far: float, time: float, method: str, shadows: bool, occlusion: int, context: str,
-          progress: object) -> list[RenderedMap]:
+def _draw(scene: "Scene", to: str, places: list[Any], size: Any, samples: Any, environment: object, ambient: object, forward: object,
+          near: Any, far: Any, time: Any, method: str, shadows: bool, occlusion: Any, context: str, progress: object) -> list[RenderedMap]:
     made = scene._core.render(to, places, size, samples, _light(environment), ambient, forward, near, far, time, method, shadows, occlusion,
                               context, progress)
     return [_rendered(map_of(core), *rest) for core, *rest in made]
