@@ -150,19 +150,18 @@ TEST(UastcHdr, OfEveryModeDecodesAsAstcencDecodesIt) {
   }
 }
 
-// Ends of 0 and 2^8 x 15 of 12 bits (the largest of 7 bits is 123 x 32): direct endpoints of mode 11 with 16 weights.
+// Direct endpoints of mode 11 with 8 weights: 0, and 240 x 16 = 120 x 32 = 3840 of 12 bits.
 TEST(UastcHdr, DecodesABlockWorkedOutByHand) {
-  constexpr int sixteen_weights = 7;
-  Block b{.mode = sixteen_weights};
-  b.endpoints[0] = {0, 240, 0, 240, 128, 128 | 120};  // 240 x 16 = 120 x 32 = 3840. All are among 192 levels.
-  for (const std::uint8_t byte : b.endpoints[0]) ASSERT_EQ(uastc_hdr::byte_levels(192).nearest(byte, 0), byte);
-  b.indices = {0, 15, 8};
+  constexpr int eight_weights = 4;
+  Block b{.mode = eight_weights};
+  b.endpoints[0] = {0, 240, 0, 240, 128, 128 | 120};
+  b.indices = {0, 7, 4};
   std::array<Colour, 16> texels;
   decode_uastc_hdr(packed(b), 4, texels);
   EXPECT_EQ(texels[0], Colour(0));
   EXPECT_EQ(texels[1], Colour(32768));  // 3840 x 16 = 30 x 2048: 2^(30 - 15).
-  // Weight 35 of 64: 61440 x 35 / 64 = 33600 = 16 x 2048 + 832; (4 x 832 - 512) / 8 = 352 of 1024: 2 (1 + 352 / 1024).
-  EXPECT_EQ(texels[2], Colour(2 * (1 + 352.0F / 1024)));
+  // Weight 37 of 64: 61440 x 37 / 64 = 35520 = 17 x 2048 + 704; (4 x 704 - 512) / 8 = 288 of 1024: 4 (1 + 288 / 1024).
+  EXPECT_EQ(texels[2], Colour(4 * (1 + 288.0F / 1024)));
 }
 
 TEST(UastcHdr, OtherBlocksOfAstcAreRefused) {
