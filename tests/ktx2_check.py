@@ -23,15 +23,18 @@ def sfloat(bits, *channels):
     return [(k * bits, bits, c | FLOAT | SIGNED, MINUS_ONE, ONE) for k, c in enumerate(channels)]
 
 
-# VkFormat: name, bytes of a texel or of a block of BC6H, typeSize, samples.
+# VkFormat: name, bytes of a texel or of a block, typeSize, samples. Of ASTC the part that Basis Universal's transcoder reads.
 SHARED = [s for c in (RED, GREEN, BLUE) for s in ((9 * c, 9, c, 0, 8448), (27, 5, c | EXPONENT, 15, 31))]
 FORMATS = {
     97: ('R16G16B16A16_SFLOAT', 8, 2, sfloat(16, RED, GREEN, BLUE, ALPHA)),
     109: ('R32G32B32A32_SFLOAT', 16, 4, sfloat(32, RED, GREEN, BLUE, ALPHA)),
     123: ('E5B9G9R9_UFLOAT_PACK32', 4, 4, SHARED),
     131: ('BC6H_UFLOAT_BLOCK', 16, 1, [(0, 128, FLOAT, 0, ONE)]),
+    1000066000: ('ASTC_4x4_SFLOAT_BLOCK', 16, 1, [(0, 128, FLOAT, 0, ONE)]),
 }
 
+# Colour models of blocks; others are RGBSDA, 1: BC6H, and UASTC HDR 4x4 of Basis Universal.
+MODELS = {131: 133, 1000066000: 167}
 
 # Khronos Data Format 1.4, colorPrimaries and transferFunction, for what envmap:space says; without it BT.709, linear.
 COLOURS = {
@@ -83,7 +86,7 @@ class File:
         if not self.expect(self.format in FORMATS, f'vkFormat: {self.format} is not one that is known here'):
             return False
         self.format_name, self.texel, type_size, self.samples = FORMATS[self.format]
-        self.side = 4 if self.format == 131 else 1
+        self.side = 1 if self.format not in MODELS else 4
         self.expect(self.type_size == type_size, f'typeSize: {self.type_size}, not {type_size}')
         self.expect(self.width > 0 and self.height > 0, 'pixelWidth, pixelHeight: 0')
         self.expect(self.depth == 0, 'pixelDepth: not 0 for a 2D texture')
@@ -120,7 +123,8 @@ class File:
         self.expect(words[2] & 0xffff == 2, f'versionNumber: {words[2] & 0xffff}, not 2')
         self.expect(words[2] >> 16 == size - 4, f'descriptorBlockSize: {words[2] >> 16}, not {size - 4}')
         model, primaries, transfer, flags = data[12:16]
-        self.expect(model == (1 if self.side == 1 else 133), f'colorModel: {model}, not RGBSDA or BC6H')
+        wanted = MODELS.get(self.format, 1)
+        self.expect(model == wanted, f'colorModel: {model}, not {wanted}')
         self.colour = primaries, transfer
         self.expect(flags == 0, f'flags: {flags}, not straight alpha')
         self.expect(words[4] == (self.side - 1) * 0x101, 'texelBlockDimension: not that of the format')

@@ -52,7 +52,7 @@ COMMANDS = [
     'convert sun.exr sun.hdr', 'convert sun.exr sun.pfm', 'convert sun.exr sun.dds', 'convert sun.exr sun.ktx2 --zstd', 'convert sun.exr sun.ktx',
     *(f'mipmap {p}.exr chain-{p}.exr' for p in PROJECTIONS),
     'mipmap cube.exr border.exr --openexr-envmap',
-    'mipmap cube.exr cube-bc6h.dds --depth bc6h --clamp -q', 'mipmap from-sphere.exr from-sphere-bc6h.ktx2 --depth bc6h --clamp --zstd -q',
+    'mipmap cube.exr cube-bc6h.dds --depth bc6h --clamp -q', 'mipmap cube.exr cube-uastc.ktx2 --depth uastc-hdr --clamp -q', 'mipmap from-sphere.exr from-sphere-bc6h.ktx2 --depth bc6h --clamp --zstd -q',
     'convert sun.exr small.exr --to latlong --size 16', 'convert sun.exr aces.exr --output-space ACEScg --white 6000 --saturation 1.5',
     *(f'prefilter small.exr diffuse-{m}.exr --method {m} --size 6 -q' for m in 'auto exact treecode prefix-sums'.split()),
     *(f'prefilter small.exr phong-{m}.exr --lobe phong --exponent 40.5 --method {m} --size 6 -q'

@@ -61,15 +61,25 @@ const Lookup lookups[] = {
     // `Rotate -90 1 0 0` from the light to the world: the light's +Z is +Y, its +Y is -Z.
     {"pbrt", "background.exr", "light.pbrt", [](const Vec& d) { return equal_area(d[0], -d[2], d[1]); }},
     {"playcanvas", "background.hdr", "", [](const Vec& d) { return unfolded(d[0], d[1], d[2]); }},
-    {"three", "background.exr", "",
-     [](const Vec& d) { return Place{0.5 + std::atan2(d[2], d[0]) / (2 * pi), 0.5 - std::asin(d[1]) / pi}; }},
+    // Cubes of files are looked up with x negated.
+    {"three", "background.ktx2", "", [](const Vec& d) { return unfolded(-d[0], d[1], d[2]); }},
+    {"three-latlong", "background.exr", "",
+     [](const Vec& d) {
+       return Place{0.5 + std::atan2(d[2], d[0]) / (2 * pi), 0.5 - std::asin(d[1]) / pi};
+     }},
     // Unity's world: (-x, y, z). Unreal's: (x, z, y).
     {"unity", "background.exr", "",
-     [](const Vec& d) { return Place{0.5 - std::atan2(d[2], -d[0]) / (2 * pi), std::acos(d[1]) / pi}; }},
+     [](const Vec& d) {
+       return Place{0.5 - std::atan2(d[2], -d[0]) / (2 * pi), std::acos(d[1]) / pi};
+     }},
     {"unreal", "background.hdr", "",
-     [](const Vec& d) { return Place{0.5 + std::atan2(d[0], -d[2]) / (2 * pi), std::acos(d[1]) / pi}; }},
+     [](const Vec& d) {
+       return Place{0.5 + std::atan2(d[0], -d[2]) / (2 * pi), std::acos(d[1]) / pi};
+     }},
     {"usd", "background.exr", "light.usda",
-     [](const Vec& d) { return Place{0.5 - std::atan2(d[0], d[2]) / (2 * pi), 0.5 - std::asin(d[1]) / pi}; }},
+     [](const Vec& d) {
+       return Place{0.5 - std::atan2(d[0], d[2]) / (2 * pi), 0.5 - std::asin(d[1]) / pi};
+     }},
 };
 
 class Bake : public CommandTest {};
@@ -332,9 +342,36 @@ TEST_F(Bake, NeedsNoFlagsOfTheFileSystem) {
 
 TEST_F(Bake, SaysWhatALoaderCutsOff) {
   succeeds({"generate", "sun", "probe.exr", "--size", "16", "--value", "1e6", "--radius", "20"});
-  const Result r = envmap({"bake", "probe.exr", "three", "--for", "three", "-q"});
+  const Result r = envmap({"bake", "probe.exr", "three", "--for", "three", "--latlong", "-q"});
   EXPECT_EQ(r.status, 0);
   EXPECT_NE(r.err.find("65504"), std::string::npos) << r.err;
+}
+
+// Levels of faces of 256 to 8 texels, whose last is a cosine's; a panorama of the same name on request; one depth.
+TEST_F(Bake, ForThreeAreCubesThatItTakesAsTheyAre) {
+  succeeds({"generate", "sky", "probe.exr", "--size", "32"});
+  succeeds({"bake", "probe.exr", "cubes", "--for", "three", "--quality", "draft", "-q"});
+  const auto info = nlohmann::json::parse(envmap({"info", "cubes/environment.ktx2", "--json"}).out);
+  EXPECT_EQ(info["depth"], "uastc-hdr");
+  EXPECT_EQ(info["levels"], 5);  // 128 to 8.
+  succeeds({"convert", "cubes/environment.ktx2", "last.exr", "--level", "4", "--filter", "nearest", "-q"});
+  succeeds({"convert", "last.exr", "mirrored.exr", "--to", "latlong", "--size", "16", "-q"});
+  succeeds({"prefilter", "probe.exr", "cosine.exr", "--to", "latlong", "--size", "16", "-q"});
+  const Picture made = load(path("mirrored.exr")), wanted = load(path("cosine.exr"));
+  double off = 0, all = 0;
+  for (int j = 0; j < 16; ++j)
+    for (int i = 0; i < 32; ++i)
+      for (int c = 0; c < 3; ++c) {
+        const double a = made.at(31 - i, j)[c], b = wanted.at(i, j)[c];
+        off += (a - b) * (a - b), all += b * b;
+      }
+  EXPECT_LT(std::sqrt(off / all), 0.03);
+  fails(2, {"bake", "probe.exr", "halves", "--for", "three", "--depth", "half"}, {"uastc-hdr", "half"});
+  fails(2, {"bake", "probe.exr", "lights", "--for", "unity", "--latlong"}, {"--latlong", "Unity"});
+  fails(2, {"bake", "probe.exr", "small", "--for", "three", "--chain-size", "4"}, {"--chain-size 4", "down to 8"});
+  succeeds({"bake", "probe.exr", "panorama", "--for", "three", "--latlong", "-q"});
+  succeeds({"convert", "probe.exr", "panorama.exr", "--for", "three", "-q"});
+  succeeds({"compare", "panorama/background.exr", "panorama.exr", "--max-error", "0"});
 }
 
 TEST_F(Bake, ItsDepfileNamesAllThatItReadsAndWrites) {

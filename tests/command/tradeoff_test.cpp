@@ -183,10 +183,10 @@ TEST_F(Tradeoff, PicturesAreThoseThatViewDraws) {
 
 // What is read back of a baked folder, against what `convert` and `prefilter` make of the probe.
 TEST_F(Tradeoff, BakedMapsAreJudgedAsTheyAreReadBack) {
-  const Result r =
-      envmap({"tradeoff", "in.exr", "--task", "bake:three", "--json", "--budget", "0", "--only", "draft --depth half"});
+  const Result r = envmap({"tradeoff", "in.exr", "--task", "bake:three-latlong", "--json", "--budget", "0", "--only",
+                           "draft --depth half"});
   ASSERT_EQ(r.status, 0) << r.err;
-  succeeds({"bake", "in.exr", "three", "--for", "three", "--quality", "draft", "--depth", "half", "-q"});
+  succeeds({"bake", "in.exr", "three", "--for", "three-latlong", "--quality", "draft", "--depth", "half", "-q"});
   succeeds({"convert", "in.exr", "truth.exr", "--for", "three", "--size", "8", "--filter", "area", "--area-error",
             "1e-6", "--depth", "float", "-q"});
   const json t = json::parse(r.out)["trials"][0];

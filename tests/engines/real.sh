@@ -12,7 +12,7 @@ envmap=$(realpath "${ENVMAP:-$here/../../build/ci/envmap}")
 probe=$(realpath "$1")
 shift
 . "$here/install.sh"
-[ $# -gt 0 ] || set -- babylon babylon-env filament gltf playcanvas three
+[ $# -gt 0 ] || set -- babylon babylon-env filament gltf playcanvas three three-latlong
 for engine in "$@" blender; do
   "$envmap" bake "$probe" "probes/$engine-real" --for "$engine" -q
 done

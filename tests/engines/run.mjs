@@ -1,11 +1,12 @@
 // Asks the page about each engine, and keeps what it measured.
-import { existsSync, readFileSync, writeFileSync } from 'node:fs';
+import { existsSync, readFileSync, readdirSync, statSync, writeFileSync } from 'node:fs';
 import { open_browser } from './browser.mjs';
 
 const [envmap, results, ...engines] = process.argv.slice(2);
 const browser = await open_browser();
 const version = (name) => JSON.parse(readFileSync(`node_modules/${name}/package.json`)).version;
-const packages = { babylon: 'babylonjs', 'babylon-env': 'babylonjs', gltf: 'babylonjs-loaders' };
+const packages = { babylon: 'babylonjs', 'babylon-env': 'babylonjs', gltf: 'babylonjs-loaders', 'three-latlong': 'three' };
+const bytes = (folder) => readdirSync(folder).reduce((sum, file) => sum + statSync(`${folder}/${file}`).size, 0);
 const all = existsSync(results) ? JSON.parse(readFileSync(results)) : {};
 let status = 0;
 for (const engine of engines) {
@@ -14,7 +15,7 @@ for (const engine of engines) {
   const { failures, ...figures } = found;
   console.log(`${engine}: ${found.error ?? (failures.length === 0 ? 'as it should be' : failures.join('; '))}`);
   console.log(JSON.stringify(figures, null, 1));
-  all[engine] = { version: version(packages[engine] ?? engine), browser: browser.version, envmap, failures, ...figures };
+  all[engine] = { version: version(packages[engine] ?? engine), browser: browser.version, envmap, failures, bytes: bytes(`probes/${engine}-directions`), ...figures };
 }
 writeFileSync(results, JSON.stringify(Object.fromEntries(Object.entries(all).sort()), null, 2) + '\n');
 await browser.close();

@@ -1,38 +1,20 @@
-// three.js: EXRLoader, an equirectangular texture as background and environment, MeshStandardMaterial.
-import * as THREE from 'three';
-import { EXRLoader } from 'three/addons/loaders/EXRLoader.js';
+// three.js: KTX2Loader, cubes of UASTC HDR transcoded to what the card takes; levels that are taken as they are.
+import { KTX2Loader } from 'three/addons/loaders/KTX2Loader.js';
+import { renderer, scene_of } from './three_scene.mjs';
 
-// PMREMGenerator's own filter, of 256 samples, is wider than the lobe that it samples.
-export const limits = { width: Infinity };
+// Diffuse light is a level of faces of 8 texels, so that a block of 4x4 spans 45 degrees of a probe that has all hues.
+// Between texels as coarse as these levels' a highlight is wider.
+export const limits = { diffuse: 0.06, width: 0.2 };
+
+// Of levels 2 to 4 of six: the first is finer than the faces' texels, and the last is the whole hemisphere.
+export const roughness = [2, 3, 4].map((k) => 1 - Math.sqrt(1 - k / 5));
 
 export const world = (d) => d;
 
-const renderer = new THREE.WebGLRenderer({ canvas: document.getElementById('canvas') });
-const geometry = new THREE.SphereGeometry(1, 256, 128);
+const loader = new KTX2Loader().setTranscoderPath('./node_modules/three/examples/jsm/libs/basis/').detectSupport(renderer);
 
 export async function open(folder) {
-  const probe = await new EXRLoader().loadAsync(`${folder}/background.exr`);
-  probe.mapping = THREE.EquirectangularReflectionMapping;
-  const scene = new THREE.Scene();
-  scene.background = scene.environment = probe;
-  const material = new THREE.MeshStandardMaterial({ color: 0xffffff }), mesh = new THREE.Mesh(geometry, material);
-  scene.add(mesh);
-  return {
-    async render({ eye, target, up, fov, size, ball }) {
-      mesh.visible = ball !== null;
-      material.metalness = ball?.metallic ?? 0;
-      material.roughness = ball?.roughness ?? 0;
-      const camera = new THREE.PerspectiveCamera(fov, 1, 0.1, 100);
-      camera.position.set(...eye);
-      camera.up.set(...up);
-      camera.lookAt(...target);
-      const image = new THREE.WebGLRenderTarget(size, size, { type: THREE.FloatType });  // Linear, not tone mapped.
-      renderer.setRenderTarget(image);
-      renderer.render(scene, camera);
-      const pixels = new Float32Array(4 * size * size);
-      renderer.readRenderTargetPixels(image, 0, 0, size, size, pixels);
-      image.dispose();
-      return pixels;
-    },
-  };
+  const [sky, light] = await Promise.all(['background', 'environment'].map((name) => loader.loadAsync(`${folder}/${name}.ktx2`)));
+  light.isPMREMTexture = true;
+  return scene_of(sky, light);
 }

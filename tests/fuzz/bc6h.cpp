@@ -1,4 +1,4 @@
-#include "envmap/io/texels/bc6h.h"
+#include "envmap/io/block/bc6h.h"
 
 #include <algorithm>
 #include <array>
@@ -6,7 +6,9 @@
 #include <cstdlib>
 #include <vector>
 
-#include "envmap/io/texels/bc6h_block.h"
+#include "envmap/io/block/bc6h_block.h"
+#include "envmap/io/block/uastc_hdr.h"
+#include "envmap/io/block/uastc_hdr_block.h"
 #include "targets.h"
 
 using namespace envmap;
@@ -27,6 +29,20 @@ void expect_packed(std::span<const std::byte, bc6h::block_bytes> bytes) {
     std::abort();
 }
 
+// The same of UASTC HDR, and BC6H of finite values is made of it.
+void expect_transcoded(std::span<const std::byte, bc6h::block_bytes> bytes) {
+  const auto said = uastc_hdr::unpack(bytes);
+  if (!said) return;
+  Stored packed{};
+  uastc_hdr::pack(*said, packed);
+  const auto again = uastc_hdr::unpack(packed);
+  if (!again || again->mode != said->mode || again->partition != said->partition ||
+      again->endpoints != said->endpoints || again->indices != said->indices || again->colour != said->colour)
+    std::abort();
+  transcode_to_bc6h(packed);
+  if (!bc6h::unpack(packed)) std::abort();
+}
+
 void expect_halves(std::span<const Colour> texels, float least) {
   constexpr float largest = 65504;
   for (const Colour& c : texels)
@@ -41,7 +57,10 @@ void fuzz_bc6h(Bytes bytes) {
   constexpr std::size_t most = 8;
   const std::size_t blocks = std::min(most, bytes.size() / bc6h::block_bytes);
   const std::span row = bytes.first(blocks * bc6h::block_bytes);
-  for (std::size_t k = 0; k < blocks; ++k) expect_packed(row.subspan(k * bc6h::block_bytes).first<bc6h::block_bytes>());
+  for (std::size_t k = 0; k < blocks; ++k) {
+    expect_packed(row.subspan(k * bc6h::block_bytes).first<bc6h::block_bytes>());
+    expect_transcoded(row.subspan(k * bc6h::block_bytes).first<bc6h::block_bytes>());
+  }
 
   const std::size_t beyond = std::to_integer<std::size_t>(bytes.back()) % bc6h::side;  // Texels outside of the image.
   if (blocks == 0) return;
@@ -55,5 +74,8 @@ void fuzz_bc6h(Bytes bytes) {
   std::vector<std::byte> encoded(row.size());
   encode_bc6h(texels, width, beyond & 1, beyond & 2, encoded);
   decode_bc6h(encoded, false, width, texels);
+  expect_halves(texels, 0);
+  encode_uastc_hdr(texels, width, beyond & 1, beyond & 2, encoded);
+  decode_uastc_hdr(encoded, width, texels);
   expect_halves(texels, 0);
 }

@@ -244,8 +244,8 @@ std::vector<Call> of_engines() {
   add(calls, "bake", "max_error", bad_errors, [=](double v) { baked({.max_error = v}); });
   add(calls, "bake", "exposure", std::vector<double>{-101, nan, inf}, [=](double v) { baked({.exposure = v}); });
   calls.push_back({"engine_named", [] { (void)engine_named("maya"); }, "none of the engines babylon, "});
-  calls.push_back({"chain_of", [] { (void)chain_of(engine_named("three")); }, "no levels"});
-  calls.push_back({"level_roughnesses", [] { (void)level_roughnesses(engine_named("three").maps[0], 8); }, "no chain"});
+  calls.push_back({"chain_of", [] { (void)chain_of(engine_named("unity")); }, "no levels"});
+  calls.push_back({"level_roughnesses", [] { (void)level_roughnesses(engine_named("unity").maps[0], 8); }, "no chain"});
   const EngineMap& chain = chain_of(engine_named("filament"));
   add(calls, "level_roughnesses", "size", bad_sizes, [&chain](int v) { (void)level_roughnesses(chain, v); });
   calls.push_back({"level_roughnesses", [&chain] { (void)level_roughnesses(chain, 4, 5); }, "has 5 levels"});
@@ -357,7 +357,7 @@ TEST(BadValues, OperationsRefuseNanAndInfinity) {
         EXPECT_NE(std::string(e.what()).find("(5,2) of face 3"), std::string::npos) << e.what();
         EXPECT_EQ(e.remedy(), Remedy::repair);
       }
-    for (const Depth depth : {Depth::single, Depth::half, Depth::bc6h, Depth::rgb9e5})
+    for (const Depth depth : {Depth::single, Depth::half, Depth::bc6h, Depth::uastc_hdr, Depth::rgb9e5})
       EXPECT_THROW((void)encode(map, {.format = "ktx2", .depth = depth}), OutputError);
     // Measures leave the texel out.
     EXPECT_TRUE(std::isfinite(measure(map).flux.y));

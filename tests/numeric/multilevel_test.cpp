@@ -305,7 +305,7 @@ TEST(Multilevel, AutoTakesItForNarrowLobes) {
   EXPECT_EQ(method(Shape::ggx, 0.6, 1e-3), Method::multilevel);
   EXPECT_EQ(method(Shape::phong, 3.5, 1e-3), Method::treecode);
   EXPECT_EQ(method(Shape::ggx, 0.8, 9e-5), Method::treecode);
-  EXPECT_EQ(method(Shape::charlie, 0.6, 1e-3), Method::treecode);
+  EXPECT_EQ(method(Shape::charlie, 0.5, 1e-3), Method::treecode);
 }
 
 // Nothing of them is left to a treecode.

@@ -65,7 +65,7 @@ double worst_of(const EnvironmentMap& map, double roughness, double error, std::
   return worst / error;
 }
 
-constexpr double roughnesses[] = {0, 0.1, 0.2, 0.29, 0.35, 0.42, 0.5};
+constexpr double roughnesses[] = {0, 0.1, 0.2, 0.29, 0.35};
 
 #ifdef __SANITIZE_ADDRESS__  // Sums are those of the optimised build. Here memory is looked at.
 constexpr double errors[] = {1e-3};
@@ -107,7 +107,7 @@ TEST(Sheen, WhiteStaysWhiteWhereHorizonsPassThePolesOfALargeMap) {
   const SheenBlocks blocks(map.base(), 1);
   std::vector<Direction> row(128);
   texel_directions(Projection::cube, 128, 0, 63, 0, row);
-  for (const double roughness : {0.2, 0.35, 0.5}) {
+  for (const double roughness : {0.2, 0.35}) {
     std::vector<SheenSum> sums(row.size());
     sheen_sums(fitted(*sheen_plan(Charlie(roughness), 1e-3), blocks), blocks, row, sums);
     for (std::size_t k = 0; k < sums.size(); ++k)

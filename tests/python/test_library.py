@@ -244,7 +244,7 @@ def test_bake_says_what_is_wrong(tmp_path):
     roughnesses = envmap.level_roughnesses('filament', 16)
     assert len(roughnesses) == 5 and roughnesses[0] == 0 and roughnesses == sorted(roughnesses)
     with pytest.raises(envmap.UsageError):
-        envmap.level_roughnesses('three')
+        envmap.level_roughnesses('unity')
 
 
 def test_windows_and_tables_are_those_of_the_command(tmp_path):

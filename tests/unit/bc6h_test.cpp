@@ -1,5 +1,5 @@
 // BC6H against OpenImageIO's decoder, and against blocks worked out by hand.
-#include "envmap/io/texels/bc6h.h"
+#include "envmap/io/block/bc6h.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -12,10 +12,10 @@
 #include <filesystem>
 #include <random>
 
+#include "envmap/io/block/bc6h_block.h"
 #include "envmap/io/formats/openimageio_module.h"
 #include "envmap/io/images/open_image.h"
 #include "envmap/io/read.h"
-#include "envmap/io/texels/bc6h_block.h"
 #include "envmap/io/write.h"
 #include "envmap/operate/generate.h"
 #include "envmap/operate/measure.h"

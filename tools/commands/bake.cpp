@@ -26,6 +26,7 @@ struct BakeRequest {
   std::string input, folder;
   std::string list;  // An engine or "all".
   const Engine* engine = nullptr;
+  bool latlong = false;
   ReadOptions read;
   BakeOptions maps;
 };
@@ -59,6 +60,7 @@ AccuracyError with_remedy(const AccuracyError& e, const BakeRequest& o) {
   std::string depth;
   for (const EngineMap& map : o.engine->maps) {
     if (e.file() != o.folder + "/" + std::string(map.file)) continue;
+    if (map.only_depth) return AccuracyError(fmt::format("{}: raise --max-error", e.what()));
     if (!how.depth) how.depth = map.depth;
     depth = depth_for_error(e.file(), how, *o.maps.max_error);
   }
@@ -90,6 +92,11 @@ int run(BakeRequest& o, Report& report) {
   if (o.input.empty() || o.folder.empty()) throw UsageError("needs PROBE and FOLDER, or --list");
   if (o.folder == "-") throw UsageError("FOLDER: '-' is standard output: give the name of a folder");
   if (!o.engine) throw UsageError("needs --for ENGINE: 'envmap bake --list' lists engines");
+  if (o.latlong) {
+    const Engine* const panorama = find_latlong(*o.engine);
+    if (!panorama) throw UsageError(fmt::format("--latlong: {} has one way to load a map", o.engine->title));
+    o.engine = panorama;
+  }
   const Engine& e = *o.engine;
   std::vector<std::string> outputs;
   for (const std::string& file : files_of(e)) outputs.push_back(o.folder + "/" + file);
@@ -123,6 +130,7 @@ Action define_bake(Options& o) {
   o.writes("FOLDER", r->folder, "Folder to write").file = File::folder;
   o.group = "Engine";
   add_engine(o, r->engine, "{}");
+  o.flag("--latlong", r->latlong, "Write a panorama instead of prefiltered cubes, with --for three");
   o.add(
        "--list [ENGINE]", engine_names() + "|all",
        [&list = r->list](const std::string& word) {

@@ -242,6 +242,7 @@ const EngineMap* resolve_options(Convert& o) {
   if (o.convert.max_error && out_of_working(o.write.colour).apply)
     throw UsageError("--max-error is that of linear values: choose a linear --output-space");
   check_filter_options(o);
+  if (o.engine) o.engine = &row_for(*o.engine, o.output, o.write);
   const EngineMap* engine = o.engine ? &environment_of(*o.engine) : nullptr;
   if (engine) resolve_for_engine(*o.engine, *engine, o.shard.part ? "" : o.output, o.to, o.forward, o.write);
   if (o.to) check_output(o.shard.whole(o.output), o.write, *o.to);

@@ -64,6 +64,7 @@ int run(MipmapRequest& o, Report& report) {
   if (o.keep && o.read.level > 0) throw UsageError("--keep takes all levels of the input: remove --level");
   o.read.all_levels = o.keep;
   choose_working_space(o.read, o.write);
+  if (o.engine) o.engine = &row_for(*o.engine, o.output, o.write);
   const EngineMap* engine = o.engine ? &environment_of(*o.engine) : nullptr;
   if (engine) resolve_for_engine(*o.engine, *engine, o.shard.part ? "" : o.output, o.write);
   const MirroredAxis mirror = engine ? engine->mirror : MirroredAxis::none;

@@ -207,6 +207,7 @@ void choose_rows(const Request& o, const std::optional<Rounding>& rounding, cons
 // What an engine's row settles: the frame and the file, and the roughness of its levels where no others were asked for.
 const EngineMap* resolve_engine(Request& o) {
   if (!o.engine) return nullptr;
+  o.engine = &row_for(*o.engine, o.output, o.write);
   const EngineMap& map = prefiltered_of(*o.engine, o.lobe == Shape::diffuse);
   if (!map.chain && map.diffuse == 0 && !o.lobe)
     throw UsageError(

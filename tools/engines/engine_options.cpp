@@ -56,9 +56,9 @@ bool was_run(const Engine& e) { return e.version.find("not run") == e.version.np
 
 std::string engine_list() {
   std::string list =
-      fmt::format("{:12} {:40} {:11} {:10} {:8} {}\n", "engine", "files", "image", "axes", "mirrored", "tested");
+      fmt::format("{:13} {:40} {:11} {:10} {:8} {}\n", "engine", "files", "image", "axes", "mirrored", "tested");
   for (const Engine& e : engines()) {
-    list += fmt::format("{:12} {:40} {:11} {:10} {:8} {}\n", e.name, files_of(e, " "), image_of(e), e.axes, e.mirrored,
+    list += fmt::format("{:13} {:40} {:11} {:10} {:8} {}\n", e.name, files_of(e, " "), image_of(e), e.axes, e.mirrored,
                         was_run(e) ? "yes" : "no");
   }
   return list +
@@ -71,6 +71,12 @@ std::string engine_list() {
 std::string engine_text(const Engine& e) {
   return fmt::format("{} ({})\nFiles: {} ({})\nOrientation: {}\nRough and diffuse light: {}.\nUse:\n{}\n", e.title,
                      e.version, files_of(e, ", "), frame_words(e.maps.front().frame), turns_of(e), e.light, e.steps);
+}
+
+const Engine& row_for(const Engine& engine, const std::string& output, const WriteOptions& write) {
+  const std::string type = write.format.empty() ? extension_of(output) : write.format;
+  const Engine* const latlong = find_latlong(engine);
+  return latlong && type != extension_of(engine.maps.front().file) ? *latlong : engine;
 }
 
 const EngineMap& environment_of(const Engine& engine) {
@@ -102,6 +108,9 @@ void resolve_for_engine(const Engine& engine, const EngineMap& map, const std::s
                      fmt::format("--for {}: {} loads this map from .{} files", engine.name, engine.title, type));
   write.format = type;
   if (!write.depth) write.depth = map.depth;
+  if (map.only_depth && write.depth != map.depth)
+    throw UsageError(output, fmt::format("--for {}: {} loads this map in {} alone: remove --depth", engine.name,
+                                         engine.title, name(*map.depth)));
   to = map.frame.projection;
   if (has_forward(map.frame.projection)) forward = map.frame.forward;
 }

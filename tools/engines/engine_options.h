@@ -25,6 +25,10 @@ std::string image_of(const envmap::Engine& engine);
 /// Whether the engine itself loaded the files, or only its source was read.
 bool was_run(const envmap::Engine& engine);
 
+/// The row that a file of an engine is of: one that takes panoramas has a row for them.
+const envmap::Engine& row_for(const envmap::Engine& engine, const std::string& output,
+                              const envmap::WriteOptions& write);
+
 /// The map that shows the environment. @throws UsageError where the engine takes it as a chain of rising roughness
 /// alone.
 const envmap::EngineMap& environment_of(const envmap::Engine& engine);

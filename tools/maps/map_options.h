@@ -29,12 +29,12 @@ void add_max_pixels(Options& o, envmap::ReadOptions& read);
 void add_max_memory(Options& o, envmap::ReadOptions& read);
 void add_repair(Options& o, envmap::ReadOptions& read);
 /// @param otherwise what help says of the default depth.
-Option& add_depth(Options& o, envmap::WriteOptions& write, std::string_view otherwise = "as input, or nearest");
+Option& add_depth(Options& o, envmap::WriteOptions& write, std::string_view otherwise = "as input");
 void add_format(Options& o, envmap::WriteOptions& write);
 void add_file_options(Options& o, envmap::WriteOptions& write);  ///< --openexr-envmap, --compression, --zstd.
 void add_clamp(Options& o, envmap::WriteOptions& write);
 /// --depth, --format, --clamp and the file options.
-void add_write_options(Options& o, envmap::WriteOptions& write, std::string_view depth = "as input, or nearest");
+void add_write_options(Options& o, envmap::WriteOptions& write, std::string_view depth = "as input");
 void add_border(Options& o, envmap::WriteOptions& write, std::string_view size);  ///< `size`: what help says of --size.
 void add_output_space(Options& o, envmap::WriteOptions& write);                   ///< --output-space, --encoded.
 

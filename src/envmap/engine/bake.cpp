@@ -64,6 +64,14 @@ void expose(EnvironmentMap& probe, double stops, Provenance& provenance) {
   if (auto& luminance = provenance.white_luminance) luminance = float(*luminance / gain);
 }
 
+// The loader of an engine may take one depth alone.
+void check_depth(const Engine& engine, const BakeOptions& options) {
+  for (const EngineMap& map : engine.maps)
+    if (map.only_depth && options.write.depth && options.write.depth != map.depth)
+      throw UsageError(fmt::format("{} loads {} in {} alone, not in {}", engine.title, map.file, name(*map.depth),
+                                   name(*options.write.depth)));
+}
+
 // Makes and writes one map into the hidden folder.
 BakedFile bake_map(const EngineMap& map, Baker& baker, const OutputFolder& folder, const std::string& shown,
                    const BakeOptions& options, const Progress& progress) {
@@ -71,6 +79,7 @@ BakedFile bake_map(const EngineMap& map, Baker& baker, const OutputFolder& folde
   const std::string file = folder.file(map.file);
   WriteOptions how = options.write;
   if (!how.depth) how.depth = map.depth;
+  how.zstd = map.zstd;
   check_output(file, how, map.frame.projection, map.chain.has_value());
   try {
     const BakedMap made = baker.make(map, rounding_of(file, how), part_progress(progress, 0, made_part));
@@ -145,6 +154,7 @@ std::vector<BakedFile> bake(EnvironmentMap probe, const Engine& engine, const st
   check_range(limits::exposure, asked.exposure);
   check_quality(asked.quality);
   check_engine(engine);
+  check_depth(engine, asked);
   BakeOptions options = asked;
   LightError error;
   if (options.suns) {

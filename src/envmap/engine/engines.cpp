@@ -147,12 +147,34 @@ const Engine rows[] = {
         .version = "2.23, run: tests/engines",
         .maps = {{.file = "background.hdr", .frame = {Projection::latlong, Forward::plus_z}}},
     },
+    // Levels as PMREMGenerator.lodToRoughness in src/extras/PMREMGenerator.js, faces of 256 to 8 texels, of which the
+    // last is diffuse light, too: getIBLIrradiance in src/renderers/shaders/ShaderChunk/envmap_physical_pars_fragment.
+    // Cubes of files are looked up with x negated: WebGLMaterials.js and WebGLBackground.js, isRenderTargetTexture.
+    // examples/jsm/loaders/KTX2Loader.js makes cubes of compressed texels alone, and among those of floats only of
+    // UASTC HDR on every card.
+    {
+        .name = "three",
+        .title = "three.js",
+        .version = "r187, run: tests/engines",
+        .maps = {{.file = "background.ktx2",
+                  .depth = Depth::uastc_hdr,
+                  .mirror = MirroredAxis::x,
+                  .only_depth = true,
+                  .zstd = true},
+                 {.file = "environment.ktx2",
+                  .depth = Depth::uastc_hdr,
+                  .mirror = MirroredAxis::x,
+                  .chain = EngineChain{256, 0, filament_roughness, IrradianceForm::none, 8},
+                  .only_depth = true,
+                  .zstd = true}},
+        .mirrored = "file",
+    },
     // equirectUv in src/renderers/shaders/ShaderChunk/common.glsl.js, u = 0.5 + atan(z, x) / 2 pi, v up = 0.5 +
     // asin(y) / pi; examples/jsm/loaders/EXRLoader.js: HalfFloatType unless told otherwise. (HDRLoader divides by 255,
     // not by 256: white is 1.004.)
     {
-        .name = "three",
-        .title = "three.js",
+        .name = "three-latlong",
+        .title = "three.js (panorama)",
         .version = "r187, run: tests/engines",
         .maps = {{.file = "background.exr", .frame = {Projection::latlong, Forward::plus_x}}},
         .largest = 65504,
@@ -222,6 +244,8 @@ const Engine* find_engine(std::string_view name) {
   const auto found = std::ranges::find(engines(), name, &Engine::name);
   return found == engines().end() ? nullptr : &*found;
 }
+
+const Engine* find_latlong(const Engine& engine) { return find_engine(std::string(engine.name) + "-latlong"); }
 
 const Engine& engine_named(std::string_view name) {
   if (const Engine* const found = find_engine(name)) return *found;

@@ -29,10 +29,11 @@ inline constexpr std::size_t enumerators<IrradianceForm> = std::size_t(Irradianc
 /// Levels of the environment as surfaces of rising roughness reflect it (GGX's split sum), for a shader that picks one.
 struct EngineChain {
   int size;    ///< Height of a face of the first level, unless another is asked for.
-  int levels;  ///< 0: down to one texel a face.
+  int levels;  ///< 0: down to faces of `last` texels.
   /// Perceptual roughness that the engine's shader looks for in level k of n; 0 is the environment itself.
   double (*roughness)(int k, int n, int size);
   IrradianceForm irradiance = IrradianceForm::none;
+  int last = 1;
 };
 
 struct EngineMap {
@@ -42,6 +43,8 @@ struct EngineMap {
   MirroredAxis mirror = MirroredAxis::none;  ///< x or z, of cubes that are looked up in a left-handed frame.
   std::optional<EngineChain> chain = {};     ///< Else the environment itself, one level;
   int diffuse = 0;                           ///< or the irradiance over pi, with faces so high.
+  bool only_depth = false;                   ///< The loader takes no other than `depth`.
+  bool zstd = false;                         ///< Its loader unpacks levels.
 };
 
 struct Engine {
@@ -67,7 +70,10 @@ std::span<const Engine> engines();
 /// @param name such as "filament". @return null where there is no such engine.
 const Engine* find_engine(std::string_view name);
 
-/// The same. @throws UsageError where there is no such engine.
+/// The row of an engine that takes its environment as a panorama, too. @return null where there is none.
+const Engine* find_latlong(const Engine& engine);
+
+/// The same as find_engine(). @throws UsageError where there is no such engine.
 const Engine& engine_named(std::string_view name);
 
 /// The map of an engine that has levels of rising roughness. @throws UsageError where it takes none.

@@ -31,8 +31,9 @@ Depth choose_depth(const FileFormat& format, const WriteOptions& options) {
                                  fmt::join(names, " or ")));
   }
   // What came out of blocks or RGBD are halves; blocks are written where they are asked for.
-  const Depth before = options.source_depth,
-              source = before == Depth::bc6h || before == Depth::rgbd ? Depth::half : before;
+  const Depth before = options.source_depth;
+  const bool lossy = before == Depth::bc6h || before == Depth::uastc_hdr || before == Depth::rgbd;
+  const Depth source = lossy ? Depth::half : before;
   if (std::ranges::find(held, source) != held.end()) return source;
   for (const Depth d : held)
     if (d >= source) return d;

@@ -189,7 +189,7 @@ Lobe lobe_of(const Prefilter& p) {
     throw UsageError(
         "multilevel sums make diffuse maps, phong of exponent 1, 2, 3 and from 3.6, blinn-phong from 2, ggx, and "
         "charlie "
-        "up to roughness 0.5, for errors from 1e-4");
+        "up to roughness 0.35, for errors from 1e-4");
   return lobe;
 }
 

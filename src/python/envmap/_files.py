@@ -154,7 +154,7 @@ def write(file: Path, map: AnyMap, *, depth: Depth | None = None, layout: Layout
     map : Map or array
         What to write. Arrays are as in Map.
     depth : str, optional
-        'uint8', 'uint16', 'rgbd', 'bc6h', 'rgb9e5', 'half' or 'float', as the format has it. Default: as the format stores radiance best.
+        'uint8', 'uint16', 'rgbd', 'bc6h', 'uastc-hdr', 'rgb9e5', 'half' or 'float', as the format has it. Default: as the format stores radiance best.
     layout : str, optional
         How faces lie in the image: 'column', 'row', 'cross', 'vcross', '3x2' or 'files'.
     faces : str, optional

@@ -43,7 +43,7 @@ class Source:
     file : str or None
         The name; None of bytes.
     format, depth, layout : str
-        Such as 'openexr', 'half' and 'cross'. Depths are 'uint8', 'uint16', 'rgbd', 'bc6h', 'rgb9e5', 'half' and 'float'.
+        Such as 'openexr', 'half' and 'cross'. Depths are 'uint8', 'uint16', 'rgbd', 'bc6h', 'uastc-hdr', 'rgb9e5', 'half' and 'float'.
     width, height : int
         Of the image in texels, all faces in it.
     levels : int

@@ -4,7 +4,7 @@ from typing import Literal
 Projection = Literal["latlong", "cube", "sphere", "paraboloid", "angular", "octahedral", "equal-area"]
 Forward = Literal["+z", "-z", "+x", "-x"]
 Layout = Literal["column", "row", "cross", "vcross", "3x2", "files"]
-Depth = Literal["uint8", "uint16", "rgbd", "bc6h", "rgb9e5", "half", "float"]
+Depth = Literal["uint8", "uint16", "rgbd", "bc6h", "uastc-hdr", "rgb9e5", "half", "float"]
 Filter = Literal["nearest", "bilinear", "bicubic", "trilinear", "sat", "ewa", "area"]
 Mirror = Literal["none", "x", "y", "z"]
 Weights = Literal["solid-angle", "uniform"]

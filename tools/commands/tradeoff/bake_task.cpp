@@ -70,11 +70,14 @@ struct Baking {
     WriteOptions how{.depth = depth ? depth : map.depth, .clamp = true};
     how.source_depth = is_integer(source.depth) ? Depth::half : source.depth;
     how.provenance = source.provenance;
+    how.zstd = map.zstd;
     return how;
   }
 
   // Whether all files hold it.
   [[nodiscard]] bool is_possible(Depth depth) const try {
+    for (const EngineMap& map : engine.maps)
+      if (map.only_depth) return false;
     for (const EngineMap& map : engine.maps)
       check_output(std::string(map.file), how(map, depth), map.frame.projection, map.chain.has_value());
     return true;

@@ -30,8 +30,9 @@ constexpr Extension exr[] = {"exr"}, hdr[] = {"hdr"}, pfm[] = {"pfm"}, ktx2[] = 
                     dds[] = {"dds"}, env[] = {"env"}, glb[] = {"glb"}, tiff[] = {"tif", "tiff"}, png[] = {"png"},
                     ppm[] = {"ppm"}, jpeg[] = {"jpg", "jpeg"}, targa[] = {"tga"}, bmp[] = {"bmp"}, webp[] = {"webp"};
 constexpr Depth linear[] = {Depth::half, Depth::single}, floats[] = {Depth::single},
-                texture[] = {Depth::half, Depth::single, Depth::rgb9e5, Depth::bc6h}, bytes[] = {Depth::uint8},
-                rgbd[] = {Depth::rgbd}, integers[] = {Depth::uint8, Depth::uint16},
+                texture[] = {Depth::half, Depth::single, Depth::rgb9e5, Depth::bc6h},
+                texture_of_2020[] = {Depth::half, Depth::single, Depth::rgb9e5, Depth::bc6h, Depth::uastc_hdr},
+                bytes[] = {Depth::uint8}, rgbd[] = {Depth::rgbd}, integers[] = {Depth::uint8, Depth::uint16},
                 all_of_tiff[] = {Depth::uint8, Depth::uint16, Depth::single};
 
 using Head = std::string_view;
@@ -91,7 +92,7 @@ constexpr FileFormat ktx_of_2020{
     .name = "ktx2",
     .title = "KTX2",
     .extensions = ktx2,
-    .depths = texture,
+    .depths = texture_of_2020,
     .is_head = [](Head h) { return h.starts_with(ktx2_mark); },
     .frame = true,
     .levels = true,

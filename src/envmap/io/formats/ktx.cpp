@@ -282,22 +282,28 @@ enum Scheme : std::uint32_t { plain = 0, zstandard = 2 };
 
 using Words = std::vector<std::uint32_t>;
 
+// The colour model of Basis Universal's part of ASTC, whose VkFormat is ASTC's.
+constexpr std::uint32_t uastc_hdr_4x4 = 167;
+
 // A sample of a basic descriptor block: which bits hold a channel, and what the least and largest of them mean.
 void add_sample(Words& words, unsigned offset, unsigned length, unsigned channel_type, std::uint32_t lower,
                 std::uint32_t upper) {
   words.insert(words.end(), {offset | (length - 1) << 16 | channel_type << 24, 0, lower, upper});
 }
 
-// Texel by texel or, of BC6H, block by block. E5B9G9R9's limits are those of the Data Format
+// Texel by texel or, of BC6H and UASTC HDR, block by block. E5B9G9R9's limits are those of the Data Format
 // Specification 1.4, table 105: the shared exponent counts for each channel.
 Words descriptor(const TexelFormat& format, KhrColour colour) {
   constexpr unsigned is_float = 0x80, is_signed = 0x40, is_exponent = 0x20, alpha = 15;
   constexpr std::uint32_t one = 0x3f800000, minus_one = 0xbf800000;  // As floats.
   constexpr std::uint32_t rgbsda = 1, bc6h = 133;
-  const std::uint32_t model = format.depth == Depth::bc6h ? bc6h : rgbsda, side = std::uint32_t(format.side) - 1;
+  const std::uint32_t model = format.depth == Depth::bc6h        ? bc6h
+                              : format.depth == Depth::uastc_hdr ? uastc_hdr_4x4
+                                                                 : rgbsda;
+  const std::uint32_t side = std::uint32_t(format.side) - 1;
   const std::uint32_t primaries = colour.primaries, transfer = colour.transfer;
   Words words{0, 0, 0, model | primaries << 8 | transfer << 16, side | side << 8, std::uint32_t(format.bytes), 0};
-  if (model == bc6h) {
+  if (model != rgbsda) {
     const bool is_negative = format.texels == Texels::bc6h_sfloat;
     add_sample(words, 0, 128, is_float | (is_negative ? is_signed : 0), is_negative ? minus_one : 0, one);
   } else if (format.texels == Texels::rgb9e5) {
@@ -321,6 +327,16 @@ KhrColour described_colour(const InputFile& file, const Ktx2Header& h) {
   if (h.dfd_size < 16 || std::uint64_t{h.dfd_offset} + h.dfd_size > file.size()) return {};
   const auto word = read_as<std::uint32_t>(file, h.dfd_offset + 12U);
   return {std::uint8_t(word >> 8), std::uint8_t(word >> 16)};
+}
+
+// VkFormat says that it is ASTC HDR, of which one part is read.
+void require_uastc_hdr(const InputFile& file, const Ktx2Header& h) {
+  if (h.vk_format != format_of(Texels::uastc_hdr).vulkan) return;
+  const std::uint32_t model = h.dfd_size < 16 ? 0 : read_as<std::uint32_t>(file, h.dfd_offset + 12U) & 0xff;
+  if (model != uastc_hdr_4x4)
+    throw InputError(fmt::format(
+        "not supported: KTX2 of ASTC HDR with colour model {}: of ASTC only UASTC HDR 4x4 (model {}) is read", model,
+        uastc_hdr_4x4));
 }
 
 // ---- levels ---------------------------------------------------------------------------------------------------------
@@ -455,7 +471,8 @@ TextureFile open_ktx2(const InputFile& file) {
   const auto* format = std::ranges::find(texel_formats, h.vk_format, &TexelFormat::vulkan);
   if (format == std::end(texel_formats))
     throw InputError(
-        fmt::format("not supported: KTX2 with VkFormat {}: only RGB as bytes, floats, E5B9G9R9 or BC6H is read",
+        fmt::format("not supported: KTX2 with VkFormat {}: only RGB as bytes, floats, E5B9G9R9, BC6H or UASTC HDR 4x4 "
+                    "is read",
                     h.vk_format));
   if (h.scheme != plain && h.scheme != zstandard)
     throw InputError(
@@ -481,6 +498,7 @@ TextureFile open_ktx2(const InputFile& file) {
           fmt::format("not supported: KTX2 of orientation '{}': 'rd' is read, and 'ru' of flat images", o));
   }
   t.recorded = recorded(pairs);
+  require_uastc_hdr(file, h);
   t.colour = described_colour(file, h);
 
   std::vector<LevelIndex> index;

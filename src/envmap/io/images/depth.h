@@ -12,10 +12,11 @@
 namespace ENVMAP_EXPORT envmap {
 
 /// In rising order of what they hold; rgbd (bytes of colour over a common divisor, up to 255), rgb9e5 (three 9-bit
-/// values under one 5-bit exponent) and bc6h (lossy blocks of 4x4 texels) are all in half.
-enum class Depth { uint8, uint16, rgbd, bc6h, rgb9e5, half, single };
+/// values under one 5-bit exponent), bc6h and uastc_hdr (lossy blocks of 4x4 texels) are all in half.
+enum class Depth { uint8, uint16, rgbd, bc6h, uastc_hdr, rgb9e5, half, single };
 
-inline constexpr std::string_view depth_names[] = {"uint8", "uint16", "rgbd", "bc6h", "rgb9e5", "half", "float"};
+inline constexpr std::string_view depth_names[] = {"uint8",     "uint16", "rgbd", "bc6h",
+                                                   "uastc-hdr", "rgb9e5", "half", "float"};
 template <>
 inline constexpr std::size_t enumerators<Depth> = std::size(depth_names);
 

@@ -28,7 +28,7 @@ std::optional<Rounding> rounding_of(const std::string& path, const WriteOptions&
                       };
                       return level_of(rounded);
                     }};
-  const std::optional<double> largest = depth == Depth::bc6h || depth == Depth::rgbd
+  const std::optional<double> largest = depth == Depth::bc6h || depth == Depth::uastc_hdr || depth == Depth::rgbd
                                             ? std::nullopt
                                             : std::optional(range_of(depth, format.largest).precision);
   return Rounding{depth, largest, [depth, border = options.border](const Level& level) {

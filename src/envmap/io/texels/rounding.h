@@ -16,9 +16,10 @@ struct Rounding {
   Depth depth;
   /// Of a texel's largest channel, half a step at most: 2^-11 of half, 2^-9 of rgb9e5, 2^-8 of Radiance's shared
   /// exponent; 0 of float. Darker channels under a shared exponent lose more of themselves, and so does what is below a
-  /// depth's range. Nothing of bc6h and rgbd, which must be made to know.
+  /// depth's range. Nothing of bc6h, uastc_hdr and rgbd, which must be made to know.
   std::optional<double> largest = 0;
-  /// What is read back of a level; empty where that is what was written.
+  /// What is read back of a level; empty where that is what was written. Of uastc_hdr, which cards read in two ways,
+  /// each channel as it lies farther off.
   std::function<Level(const Level&)> read_back;
 };
 
@@ -32,7 +33,7 @@ bool bounds_every_channel(const Rounding& rounding, double floor);
 /// depth.
 std::optional<Rounding> rounding_of(const std::string& path, const WriteOptions& options);
 
-/// What rounds: "half", "rgb9e5", "bc6h", "rgbd", "float" or "a shared exponent".
+/// What rounds: "half", "rgb9e5", "bc6h", "uastc-hdr", "rgbd", "float" or "a shared exponent".
 std::string_view name(const Rounding& rounding);
 
 /// What it takes from texels and channels, at most, over them or over `floor` where they are smaller.

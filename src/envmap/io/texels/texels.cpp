@@ -7,8 +7,9 @@
 #include <limits>
 #include <vector>
 
+#include "envmap/io/block/bc6h.h"
+#include "envmap/io/block/uastc_hdr.h"
 #include "envmap/io/claims/srgb.h"
-#include "envmap/io/texels/bc6h.h"
 #include "envmap/io/texels/rgbd.h"
 
 namespace envmap {
@@ -105,6 +106,10 @@ bool decode(Texels texels, std::span<const std::byte> from, std::span<Colour> to
   const TexelFormat& format = format_of(texels);
   if (format.depth == Depth::bc6h) {
     decode_bc6h(from, texels == Texels::bc6h_sfloat, to.size() / std::size_t(format.side), to);
+    return true;
+  }
+  if (texels == Texels::uastc_hdr) {
+    decode_uastc_hdr(from, to.size() / std::size_t(format.side), to);
     return true;
   }
   if (texels == Texels::rgbd8) {

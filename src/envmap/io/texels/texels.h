@@ -18,7 +18,7 @@ void from_half(std::span<const std::uint16_t> from, std::span<float> to);
 // Texels as GPUs hold them.
 
 /// Little-endian, channels in memory order; rgb9e5 and rg11b10 are 32-bit words with red in the lowest bits;
-/// BC6H are blocks; those of one channel are grey; packed ones are as a Packing says.
+/// BC6H and UASTC HDR are blocks; those of one channel are grey; packed ones are as a Packing says.
 enum class Texels {
   rgba16f,
   rgba32f,
@@ -36,7 +36,8 @@ enum class Texels {
   r16f,
   r32f,
   packed,
-  packed_srgb
+  packed_srgb,
+  uastc_hdr
 };
 
 struct TexelFormat {
@@ -81,6 +82,7 @@ inline constexpr TexelFormat texel_formats[] = {
     {Texels::r32f, "float R", 4, 1, Depth::single, no_vulkan, 41, 4},
     {Texels::packed, "integers", 8, 4, Depth::uint16, no_vulkan, 0, 1},
     {Texels::packed_srgb, "integers sRGB", 8, 4, Depth::uint8, no_vulkan, 0, 1},
+    {Texels::uastc_hdr, "UASTC HDR 4x4", 16, 3, Depth::uastc_hdr, 1000066000, 0, 1, 4},
 };
 
 inline const TexelFormat& format_of(Texels t) { return texel_formats[int(t)]; }
@@ -92,13 +94,14 @@ struct Packing {
   std::uint64_t red = 0, green = 0, blue = 0, alpha = 0;
 };
 
-/// What a depth is written as. @param depth half, single, rgb9e5, bc6h or rgbd.
+/// What a depth is written as. @param depth half, single, rgb9e5, bc6h, uastc_hdr or rgbd.
 inline Texels texels_of(Depth depth) {
-  return depth == Depth::half     ? Texels::rgba16f
-         : depth == Depth::rgb9e5 ? Texels::rgb9e5
-         : depth == Depth::bc6h   ? Texels::bc6h_ufloat
-         : depth == Depth::rgbd   ? Texels::rgbd8
-                                  : Texels::rgba32f;
+  return depth == Depth::half        ? Texels::rgba16f
+         : depth == Depth::rgb9e5    ? Texels::rgb9e5
+         : depth == Depth::bc6h      ? Texels::bc6h_ufloat
+         : depth == Depth::uastc_hdr ? Texels::uastc_hdr
+         : depth == Depth::rgbd      ? Texels::rgbd8
+                                     : Texels::rgba32f;
 }
 
 /// The largest value that E5B9G9R9 holds: 511/512 x 2^16.

@@ -6,13 +6,15 @@
 #include <algorithm>
 #include <atomic>
 #include <bit>
+#include <cmath>
 
 #include "envmap/base/error.h"
 #include "envmap/base/parallel.h"
+#include "envmap/io/block/bc6h.h"
+#include "envmap/io/block/uastc_hdr.h"
 #include "envmap/io/claims/srgb.h"
 #include "envmap/io/images/bands.h"
 #include "envmap/io/texels/api_orientation.h"
-#include "envmap/io/texels/bc6h.h"
 
 namespace envmap {
 std::vector<std::byte> read_bytes(const InputFile& file, std::uint64_t offset, std::uint64_t size) {
@@ -56,6 +58,8 @@ void encode_rows(const TexelFormat& format, const Atlas& atlas, int begin, int e
     const auto out = std::span(to).subspan(std::size_t(k) * row_bytes, row_bytes);
     if (format.depth == Depth::bc6h)
       encode_bc6h(rows, width, top == 0, bottom == atlas.height(), out);
+    else if (format.depth == Depth::uastc_hdr)
+      encode_uastc_hdr(rows, width, top == 0, bottom == atlas.height(), out);
     else
       encode(format.texels, rows, out);
   });
@@ -159,6 +163,22 @@ Level read_texture(const InputFile& file, const TextureFile& t, int stored, cons
   return level;
 }
 
+namespace {
+
+// The channels of two readings that lie farther off.
+Level farther_off(const Level& truth, Level a, const Level& b) {
+  for_each_row(a.faces(), a.height(), {}, [&](int face, int row) {
+    const auto wanted = truth.row(face, row), other = b.row(face, row);
+    const auto made = a.row(face, row);
+    for (std::size_t k = 0; k < made.size(); ++k)
+      for (int c = 0; c < 3; ++c)
+        if (std::abs(other[k][c] - wanted[k][c]) > std::abs(made[k][c] - wanted[k][c])) made[k][c] = other[k][c];
+  });
+  return a;
+}
+
+}  // namespace
+
 Level read_back(const Level& level, Texels texels) {
   const bool cube = level.projection() == Projection::cube;
   const Rows rows = rows_of(level, Forward::plus_z), stored = cube ? in_api_orientation(rows) : rows;
@@ -172,10 +192,16 @@ Level read_back(const Level& level, Texels texels) {
     encode_rows(format_of(texels), image, 0, height, all, packed);
     bytes.insert(bytes.end(), packed.begin(), packed.end());
   }
-  const TextureFile texture{.container = "", .texels = texels, .width = width, .height = height, .cube = cube};
-  bool opaque = true;
-  return cube ? decode_cube({bytes, 0, texture}, opaque)
-              : decode_flat({bytes, 0, texture}, {level.projection(), layout, level.height()}, 0, opaque);
+  const auto read_as = [&](Texels kind) {
+    const TextureFile texture{.container = "", .texels = kind, .width = width, .height = height, .cube = cube};
+    bool opaque = true;
+    return cube ? decode_cube({bytes, 0, texture}, opaque)
+                : decode_flat({bytes, 0, texture}, {level.projection(), layout, level.height()}, 0, opaque);
+  };
+  Level read = read_as(texels);
+  if (texels != Texels::uastc_hdr) return read;
+  transcode_to_bc6h(bytes);
+  return farther_off(level, std::move(read), read_as(Texels::bc6h_ufloat));
 }
 
 }  // namespace envmap

@@ -92,7 +92,8 @@ void check_texture(const TextureFile& texture, std::uint64_t file_size);
 Level read_texture(const InputFile& file, const TextureFile& texture, int stored, const DetectedLayout& base,
                    int number, bool any_alpha, bool encoded = false);
 
-/// What is read back of a level written as such texels.
+/// What is read back of a level written as such texels. Of UASTC HDR each channel as it lies farther off: read as ASTC,
+/// or as the BC6H that it is transcoded to.
 Level read_back(const Level& level, Texels texels);
 
 }  // namespace envmap

@@ -23,7 +23,7 @@ Range range_of(Depth depth, double largest) {
   if (is_integer(depth)) return {.largest = 1};
   // Half has 11 bits down to 2^-14; of a shared exponent 9 down to 2^-15 (a texel below that has no finer exponent).
   // What half has to refuse blocks of halves cannot hold either.
-  if (depth == Depth::half || depth == Depth::bc6h)
+  if (depth == Depth::half || depth == Depth::bc6h || depth == Depth::uastc_hdr)
     return {.largest = 65504, .fine = 0x1p-14, .step = 0x1p-24, .precision = 0x1p-11, .has_sign = depth == Depth::half};
   if (depth == Depth::rgb9e5)
     return {.largest = largest_rgb9e5, .fine = 0x1p-15, .step = 0x1p-24, .precision = 0x1p-9, .has_sign = false};

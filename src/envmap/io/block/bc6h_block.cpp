@@ -1,10 +1,14 @@
-#include "envmap/io/texels/bc6h_block.h"
+#include "envmap/io/block/bc6h_block.h"
 
 #include <algorithm>
-#include <cstring>
+#include <cstdlib>
 #include <string_view>
 
+#include "envmap/io/block/bits.h"
+
 namespace envmap::bc6h {
+using block::Bits;
+
 namespace {
 
 // The bits between the mode's number and the partition or the indices, the lowest first: of red, green or blue of the
@@ -87,27 +91,6 @@ static_assert([] {
   return true;
 }());
 
-// The 128 bits of a block, from the lowest on.
-class Bits {
- public:
-  Bits() = default;
-  explicit Bits(std::span<const std::byte, block_bytes> from) { std::memcpy(words_.data(), from.data(), block_bytes); }
-  [[nodiscard]] std::span<const std::byte> as_bytes() const { return std::as_bytes(std::span(words_)); }
-
-  std::uint32_t take(int count) {
-    std::uint32_t value = 0;
-    for (int k = 0; k < count; ++k, ++at_) value |= std::uint32_t(words_[at_ / 64] >> at_ % 64 & 1) << k;
-    return value;
-  }
-  void put(std::uint32_t value, int count) {
-    for (int k = 0; k < count; ++k, ++at_) words_[at_ / 64] |= std::uint64_t{value >> k & 1} << at_ % 64;
-  }
-
- private:
-  std::array<std::uint64_t, 2> words_{};
-  std::size_t at_ = 0;
-};
-
 // Of a texel's index; its region's anchor goes without the highest, which is 0.
 int index_bits(const Mode& mode, int partition, int texel) {
   const bool second = mode.regions == 2 && texel == partitions[std::size_t(partition)].anchor;
@@ -142,6 +125,65 @@ void pack(const Block& block, std::span<std::byte, block_bytes> to) {
   if (mode.regions == 2) bits.put(std::uint32_t(block.partition), 5);
   for (int k = 0; k < block_texels; ++k) bits.put(block.indices[std::size_t(k)], index_bits(mode, block.partition, k));
   std::ranges::copy(bits.as_bytes(), to.begin());
+}
+
+int unquantised(int value, int bits, bool is_signed) {
+  if (!is_signed) {
+    if (bits >= 15 || value == 0) return value;
+    return value == (1 << bits) - 1 ? 0xffff : ((value << 16) + 0x8000) >> bits;
+  }
+  if (bits >= 16 || value == 0) return value;
+  const int size = std::abs(value);
+  const int whole = size >= (1 << (bits - 1)) - 1 ? 0x7fff : ((size << 15) + 0x4000) >> (bits - 1);
+  return value < 0 ? -whole : whole;
+}
+
+namespace {
+
+using Rgb16 = std::array<int, 3>;
+
+int sign_extended(std::uint32_t value, int bits) {
+  const std::uint32_t sign = 1U << (bits - 1);
+  return int((value & (2 * sign - 1)) ^ sign) - int(sign);
+}
+
+// To the bits of a half: 31/64 of 16 bits end at 65504, the largest.
+std::uint16_t finished(int value, bool is_signed) {
+  if (!is_signed) return std::uint16_t(value * 31 >> 6);
+  return std::uint16_t(value < 0 ? 0x8000 | (-value * 31 >> 5) : value * 31 >> 5);
+}
+
+// The four endpoints, differences added up.
+std::array<Rgb16, 4> endpoints_of(const Block& block, bool is_signed) {
+  const Mode& mode = modes[std::size_t(block.mode)];
+  std::array<Rgb16, 4> all{};
+  for (std::size_t c = 0; c < 3; ++c)
+    for (std::size_t e = 0; e < 2 * std::size_t(mode.regions); ++e) {
+      std::uint32_t value = block.endpoints[e][c];
+      if (mode.differences && e > 0)
+        value = (block.endpoints[0][c] + std::uint32_t(sign_extended(value, mode.others[c]))) & ((1U << mode.bits) - 1);
+      all[e][c] = unquantised(is_signed ? sign_extended(value, mode.bits) : int(value), mode.bits, is_signed);
+    }
+  return all;
+}
+
+}  // namespace
+
+Halves halves_of(std::span<const std::byte, block_bytes> from, bool is_signed) {
+  Halves halves{};
+  const std::optional<Block> block = unpack(from);
+  if (!block) return halves;
+  const auto endpoints = endpoints_of(*block, is_signed);
+  const bool two = modes[std::size_t(block->mode)].regions == 2;
+  const unsigned second = two ? partitions[std::size_t(block->partition)].second : 0U;
+  for (std::size_t k = 0; k < block_texels; ++k) {
+    const std::size_t first = 2 * (second >> k & 1);
+    const int weight = two ? weights_of_8[block->indices[k]] : weights_of_16[block->indices[k]];
+    for (std::size_t c = 0; c < 3; ++c)
+      halves[3 * k + c] =
+          finished((endpoints[first][c] * (64 - weight) + endpoints[first + 1][c] * weight + 32) >> 6, is_signed);
+  }
+  return halves;
 }
 
 }  // namespace envmap::bc6h

@@ -10,9 +10,11 @@
 #include <optional>
 #include <span>
 
+#include "envmap/io/block/texel_block.h"
+
 namespace envmap::bc6h {
 
-inline constexpr int side = 4, block_texels = side * side, block_bytes = 16;
+using block::block_bytes, block::block_texels, block::Partition, block::partitions, block::side;
 
 /// How a block holds its endpoints: two for each region of texels.
 struct Mode {
@@ -42,19 +44,6 @@ inline constexpr std::array<Mode, 14> modes{{
     {0x0f, 5, 1, 16, {4, 4, 4}, true},
 }};
 
-/// Which texels are the second region's, bit k of row-major texel k; and the texel of it whose index lacks its highest
-/// bit.
-struct Partition {
-  std::uint16_t second;
-  int anchor;
-};
-inline constexpr std::array<Partition, 32> partitions{{
-    {0xcccc, 15}, {0x8888, 15}, {0xeeee, 15}, {0xecc8, 15}, {0xc880, 15}, {0xfeec, 15}, {0xfec8, 15}, {0xec80, 15},
-    {0xc800, 15}, {0xffec, 15}, {0xfe80, 15}, {0xe800, 15}, {0xffe8, 15}, {0xff00, 15}, {0xfff0, 15}, {0xf000, 15},
-    {0xf710, 15}, {0x008e, 2},  {0x7100, 8},  {0x08ce, 2},  {0x008c, 2},  {0x7310, 8},  {0x3100, 8},  {0x8cce, 15},
-    {0x088c, 2},  {0x3110, 8},  {0x6666, 2},  {0x366c, 2},  {0x17e8, 8},  {0x0ff0, 8},  {0x718e, 2},  {0x399c, 2},
-}};
-
 /// Of 64 parts, how many are the second endpoint's: of indices of 3 bits (two regions) and of 4.
 inline constexpr std::array<int, 8> weights_of_8{0, 9, 18, 27, 37, 46, 55, 64};
 inline constexpr std::array<int, 16> weights_of_16{0, 4, 9, 13, 17, 21, 26, 30, 34, 38, 43, 47, 51, 55, 60, 64};
@@ -72,5 +61,14 @@ std::optional<Block> unpack(std::span<const std::byte, block_bytes> from);
 
 /// @param block anchors' indices without their highest bit.
 void pack(const Block& block, std::span<std::byte, block_bytes> to);
+
+/// Bits of halves, three a texel.
+using Halves = std::array<std::uint16_t, 3 * block_texels>;
+
+/// What a block is read as; a reserved mode is black.
+Halves halves_of(std::span<const std::byte, block_bytes> from, bool is_signed);
+
+/// An endpoint's value over the range of 16 bits: in steps, with both ends exact.
+int unquantised(int value, int bits, bool is_signed);
 
 }  // namespace envmap::bc6h
