@@ -31,6 +31,7 @@ envmap prefilter -q sample.hdr new.exr --size 32
 envmap convert -q sample.hdr mine.exr --exposure 1
 envmap convert -q sample.hdr theirs.exr
 envmap generate -q atmosphere sky.exr --size 128 --no-sun
+envmap generate -q sun sunny.hdr --size 128 --radius 1 --value 40
 envmap generate -q sun sun.exr --size 128 --radius 5 --value 1000 --zenith 0 --horizon 0 --ground 0
 
 # Lists for batch.

@@ -88,6 +88,10 @@ light() {
   run prefilter sun.exr sun-phong.exr --lobe phong --exponent 1000 --size 32 --max-error 0.05
   run sh sky.exr --order 8 --evaluate sh-back.exr --size 16
   run sh sky.exr --irradiance --window auto
+  run lights sun.exr --remainder rest.exr --gltf suns.gltf
+  run bake sun.exr sunny --for usd --suns
+  run convert sun.exr brighter.exr --restore-sun atmosphere --depth float
+  run lights sky.exr --count 8
   for engine in filament unity babylon gltf; do
     run bake sky.exr $engine --for $engine --chain-size 16 --max-error 0.1 --clamp
   done

@@ -39,6 +39,7 @@ COMMANDS = [
     ('merge part1.exr part2.exr {to}/a.exr', ['a.exr']),
     ('compare map.exr map.exr --difference {to}/a.exr', ['a.exr']),
     ('sh map.exr --evaluate {to}/a.exr', ['a.exr']),
+    ('lights map.exr --count 128 --gltf {to}/a.gltf', ['a.gltf']),
     ('preview map.exr {to}/a.png', ['a.png']),
     ('preview map.exr --html {to}/a.html', ['a.html']),
     ('tradeoff map.exr --task mipmap:1 --budget 0 --plot {to}/a.svg', ['a.svg']),

@@ -30,6 +30,7 @@ Action define_completion(Options& options);
 Action define_convert(Options& options);
 Action define_generate(Options& options);
 Action define_info(Options& options);
+Action define_lights(Options& options);
 Action define_manual(Options& options);
 Action define_merge(Options& options);
 Action define_mipmap(Options& options);

@@ -14,14 +14,23 @@ namespace tools {
 std::span<const Command> commands() {
   static constexpr Command all[] = {
       // name, reports, writes
-      {"convert", true, true, define_convert},     {"mipmap", true, true, define_mipmap},
-      {"prefilter", true, true, define_prefilter}, {"sh", true, true, define_sh},
-      {"render", true, true, define_render},       {"view", true, true, define_view},
-      {"info", true, false, define_info},          {"compare", true, true, define_compare},
-      {"tradeoff", true, false, define_tradeoff},  {"generate", true, true, define_generate},
-      {"preview", false, true, define_preview},    {"bake", true, true, define_bake},
-      {"batch", false, false, define_batch},       {"merge", false, true, define_merge, "join"},
-      {"manual", false, false, define_manual},     {"completion", false, false, define_completion},
+      {"convert", true, true, define_convert},
+      {"mipmap", true, true, define_mipmap},
+      {"prefilter", true, true, define_prefilter},
+      {"sh", true, true, define_sh},
+      {"render", true, true, define_render},
+      {"view", true, true, define_view},
+      {"info", true, false, define_info},
+      {"compare", true, true, define_compare},
+      {"tradeoff", true, false, define_tradeoff},
+      {"generate", true, true, define_generate},
+      {"preview", false, true, define_preview},
+      {"lights", true, true, define_lights},
+      {"bake", true, true, define_bake},
+      {"batch", false, false, define_batch},
+      {"merge", false, true, define_merge, "join"},
+      {"manual", false, false, define_manual},
+      {"completion", false, false, define_completion},
   };
   return all;
 }

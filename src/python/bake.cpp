@@ -15,7 +15,7 @@ using namespace envmap;
 std::vector<std::string> bake_map(const Map& map, const std::string& engine, const std::string& folder,
                                   const std::string& quality, std::optional<int> size, std::optional<int> chain_size,
                                   std::optional<double> max_error, double exposure,
-                                  const std::optional<std::string>& depth, bool clamp, bool force,
+                                  const std::optional<std::string>& depth, bool clamp, bool force, bool suns,
                                   const py::object& progress) {
   BakeOptions o{.size = size,
                 .chain_size = chain_size,
@@ -25,8 +25,13 @@ std::vector<std::string> bake_map(const Map& map, const std::string& engine, con
                 .write = {.clamp = clamp, .commit = {.force = force}}};
   if (depth) o.write.depth = depth_of(*depth);
   const Engine& wanted = engine_named(engine);
-  run_operation(progress, [=, &wanted](const Run& run) { bake(map->clone(), wanted, folder, o, run); });
-  return files_of(wanted);
+  return run_operation(progress, [=, &wanted](const Run& run) {
+    BakeOptions options = o;
+    if (suns) options.suns = find_lights(*map, {}, {.stop = run.stop, .threads = run.threads});
+    if (suns && options.suns->lights.empty()) options.suns.reset();
+    bake(map->clone(), wanted, folder, options, run);
+    return files_of(wanted, options);
+  });
 }
 
 std::vector<std::string> engine_names() {

@@ -104,6 +104,33 @@ EnvironmentLookup lookup_of(const Map& map) {
   return run_operation([=] { return EnvironmentLookup(*map); });
 }
 
+struct LightsOf {
+  FoundLights found;
+  Map remainder;
+  LightError error;
+};
+
+// @return what the dataclass Light takes, for each light; the remainder; and two errors.
+py::tuple lights_of(const Map& map, double min_share, double max_radius, double contrast, int most, double roughness,
+                    const py::object& progress) {
+  const LightOptions options{min_share, max_radius, contrast, most};
+  const LightsOf all = run_operation(progress, [=](const Run& run) {
+    LightsOf made{find_lights(*map, options, run), {}, {}};
+    made.error = light_error(*map, made.found, roughness);
+    EnvironmentMap rest{.levels = {}, .forward = map->forward};
+    rest.levels.push_back(map->base().clone());
+    take_out(rest, made.found);
+    made.remainder = shared(std::move(rest));
+    return made;
+  });
+  py::list lights;
+  for (const DiscLight& l : all.found.lights)
+    lights.append(py::make_tuple(py::make_tuple(l.towards.x, l.towards.y, l.towards.z), l.within_degrees,
+                                 l.radius_degrees, l.radius_is_bound, tuple(l.irradiance), tuple(l.flux),
+                                 tuple(l.radiance), l.share));
+  return py::make_tuple(lights, all.remainder, all.error.irradiance, all.error.ggx);
+}
+
 }  // namespace
 
 void add_light(py::module_& m) {
@@ -115,6 +142,7 @@ void add_light(py::module_& m) {
   m.def("shader_sh", &nine_colours);
   m.def("brdf_table", &table_of);
   m.def("irradiance", &irradiance_at);
+  m.def("lights", &lights_of);
 }
 
 }  // namespace envmap_python

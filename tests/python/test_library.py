@@ -347,3 +347,14 @@ def test_types_check(tmp_path):
     done = check('misuse.py')
     refused = {int(line.split(':')[1]) for line in done.stdout.splitlines() if ': error: ' in line}
     assert refused == set(range(3, 3 + len(MISUSE))), done.stdout
+
+
+def test_lights_and_the_rest_make_the_map():
+    sun = envmap.generate("sun", "latlong", 256, direction=(0, 1, 1), radius=1)
+    found = envmap.lights(sun)
+    assert len(found.lights) == 1 and not found.lights[0].radius_is_bound
+    assert np.allclose(found.lights[0].towards, (0, 0.5 ** 0.5, 0.5 ** 0.5), atol=1e-3)
+    flux = np.array(envmap.info(sun).flux)
+    assert np.allclose(np.array(envmap.info(found.remainder).flux) + found.lights[0].flux, flux, rtol=1e-6)
+    assert 0 < found.error < 0.02 < 1 and found.error < found.ggx_error
+    assert envmap.lights(envmap.generate("sky", size=32)).lights == []

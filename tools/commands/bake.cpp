@@ -12,6 +12,7 @@
 #include "envmap/engine/engines.h"
 #include "envmap/engine/level_roughness.h"
 #include "envmap/io/texels/rounding.h"
+#include "envmap/light/lights.h"
 #include "envmap/maths/portable.h"
 #include "maps/depfile.h"
 #include "maps/map_options.h"
@@ -29,6 +30,7 @@ struct BakeRequest {
   bool latlong = false;
   ReadOptions read;
   BakeOptions maps;
+  bool suns = false;
 };
 
 std::vector<std::string> map_names(const Engine& e) {
@@ -87,6 +89,30 @@ void tell(const BakeRequest& o, const std::vector<BakedFile>& baked, Report& rep
   }
 }
 
+// Takes the suns of the probe out of the maps, where there are some.
+void find_suns(BakeRequest& o, const EnvironmentMap& probe, Report& report) {
+  FoundLights found = find_lights(probe, {}, {.progress = progress_line("suns")});
+  report.put_array("suns");
+  for (const DiscLight& light : found.lights) {
+    report.append("suns[]");
+    report.put("suns[].towards", light.towards);
+    report.put("suns[].irradiance", Direction(light.irradiance));
+    report.put("suns[].radius", light.radius_degrees);
+    report.put("suns[].share", light.share);
+  }
+  if (found.lights.empty())
+    warn(fmt::format("envmap bake: {}: no light for --suns: the maps hold everything ('envmap lights' tells more)",
+                     o.input));
+  else
+    o.maps.suns = std::move(found);
+}
+
+std::vector<std::string> outputs_of(const BakeRequest& o) {
+  std::vector<std::string> outputs;
+  for (const std::string& file : files_of(*o.engine, o.maps)) outputs.push_back(o.folder + "/" + file);
+  return outputs;
+}
+
 int run(BakeRequest& o, Report& report) {
   if (!o.list.empty()) return list(o.list, report);
   if (o.input.empty() || o.folder.empty()) throw UsageError("needs PROBE and FOLDER, or --list");
@@ -98,9 +124,9 @@ int run(BakeRequest& o, Report& report) {
     o.engine = panorama;
   }
   const Engine& e = *o.engine;
-  std::vector<std::string> outputs;
-  for (const std::string& file : files_of(e)) outputs.push_back(o.folder + "/" + file);
-  check_files(outputs, {o.input}, {{}, o.read.faces});
+  if (o.suns) o.maps.suns.emplace();  // So that the file of the suns is checked, too.
+  check_files(outputs_of(o), {o.input}, {{}, o.read.faces});
+  o.maps.suns.reset();
   if (o.maps.chain_size)
     for (const EngineMap& map : e.maps)
       if (map.chain) level_roughnesses(map, *o.maps.chain_size, {}, "--chain-size");
@@ -109,7 +135,8 @@ int run(BakeRequest& o, Report& report) {
   o.maps.write.source_depth = is_integer(source.depth) ? Depth::half : source.depth;
   o.maps.write.provenance = source.provenance;
   o.maps.write.commit = settings().commit;
-  warn_about_clamping(e, source.map.base(), portable::exp2(o.maps.exposure), "bake");
+  if (o.suns) find_suns(o, source.map, report);
+  if (!o.maps.suns) warn_about_clamping(e, source.map.base(), portable::exp2(o.maps.exposure), "bake");
   open_depfile();
   report.put("input", o.input);
   report.put("quality", o.maps.quality.name);
@@ -117,7 +144,7 @@ int run(BakeRequest& o, Report& report) {
   tell(o, bake_folder(o, std::move(source.map)), report);
   tell_frame(o.folder, e, e.maps.front());
   if (!brightest.empty()) note(brightest);
-  report.put("files", outputs);
+  report.put("files", outputs_of(o));
   report.put_seconds();
   return 0;
 }
@@ -139,6 +166,7 @@ Action define_bake(Options& o) {
        },
        "List the engines, or show what one engine loads")
       .alone = "all";
+  o.flag("--suns", r->suns, "Take suns and lamps out of the maps, and write them as lights of the engine");
   o.group = groups::quality;
   o.add(
       "--quality", "draft|normal|high",

@@ -25,6 +25,7 @@
 #include "maps/read_and_write_maps.h"
 #include "maps/rotation_options.h"
 #include "maps/shard_options.h"
+#include "maps/sun_options.h"
 #include "photos/camera_picture.h"
 #include "photos/photo.h"
 
@@ -46,6 +47,7 @@ struct Convert {
   ConvertOptions convert;
   WriteOptions write;
   GradeOptions grade;
+  SunOptions sun;
   Shard shard;
   GainMapRequest gain_map;
   PhotoOptions photo;
@@ -63,7 +65,7 @@ constexpr std::array of_maps{"--for",           "--layout",   "--faces",        
                              "--depth",         "--border",   "--zstd",           "--openexr-envmap", "--compression",
                              "--clamp",         "--shard",    "--output-space",   "--encoded",        "--max-memory",
                              "--circle",        "--back",     "--circle-picture", "--back-circle",    "--gain-map",
-                             "--max-bytes"};
+                             "--max-bytes",     "--restore-sun", "--sun-radius"};
 constexpr std::array of_pictures{"--look-at", "--width"};
 
 void refuse_options(const Options& options, bool picture) {
@@ -258,6 +260,7 @@ Source light_of(const Convert& o, const EngineMap* engine, std::optional<Picture
                      source.levels, o.read.level,
                      is_prefiltered_chain(source) ? "or 'envmap mipmap --keep' to keep all levels"
                                                   : "and 'envmap mipmap' to add levels"));
+  restore(source, o.input, o.sun, report);
   if (!o.added.empty()) add(source, read_added(o), o);
   grade(source, o.grade, o.read.colour);
   if (engine) warn_about_clamping(*o.engine, source.map.base(), portable::exp2(o.exposure), "convert");
@@ -429,7 +432,9 @@ Action define_convert(Options& o) {
   add_photo_words(o, c->photo, c->read);
   add_repair(o, c->read);
   o.group = groups::colour;
-  o.add("--add", "FILE", &c->added, "Add the light of another map, resampled to the input's texels").file = File::input;
+  o.add("--add", "FILE", &c->added, "Add a map's light; --restore-sun HOW, --sun-radius R: a clipped sun's").file =
+      File::input;
+  add_restore_sun(o, c->sun);
   add_exposure(o, c->exposure);
   add_grade(o, c->grade);
   o["--scale-to"].excludes = "--exposure";

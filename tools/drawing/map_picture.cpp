@@ -158,7 +158,7 @@ std::optional<Point2> MapPicture::place(const Rotation& to_image, const Directio
                 (slot.row + at.v) * picture_.size.height / cells.rows);
 }
 
-void MapPicture::mark(const EnvironmentMap& map, const Direction& brightest) {
+void MapPicture::mark(const EnvironmentMap& map, std::span<const Direction> lights) {
   const Rotation to_image = glm::transpose(image_to_world(map.forward));
   for (int degrees = 0; degrees < 360; degrees += 3) {
     const Direction level(portable::sin_pi(degrees / 180.0), 0, portable::cos_pi(degrees / 180.0));
@@ -175,7 +175,8 @@ void MapPicture::mark(const EnvironmentMap& map, const Direction& brightest) {
       draw_label(picture_, cells.slots[face].column * picture_.size.width / cells.columns + text,
                  cells.slots[face].row * picture_.size.height / cells.rows + text, std::string(cube_face_names[face]),
                  text);
-  if (const auto at = place(to_image, brightest)) draw_ring(picture_, at->x, at->y, 0.5 * text + 2);
+  for (const Direction& light : lights)
+    if (const auto at = place(to_image, light)) draw_ring(picture_, at->x, at->y, 0.5 * text + 2);
 }
 
 TileRow lit_balls(const EnvironmentMap& map, const Show& show, int size) {

@@ -19,9 +19,9 @@ class MapPicture {
  public:
   MapPicture(const envmap::Level& level, std::optional<int> face, const Show& show, int height);
 
-  // The axes of the world where the map shows them, a ring round its brightest direction, dots along the horizon, and
-  // names of the faces where there are several.
-  void mark(const envmap::EnvironmentMap& map, const envmap::Direction& brightest);
+  // The axes of the world where the map shows them, rings round its lights, dots along the horizon, and names of the
+  // faces where there are several.
+  void mark(const envmap::EnvironmentMap& map, std::span<const envmap::Direction> lights);
 
   [[nodiscard]] Picture& picture() { return picture_; }
 

@@ -33,6 +33,21 @@ std::int64_t texels_at_most(const Level& level, double most) {
   return std::accumulate(rows.begin(), rows.end(), std::int64_t{0});
 }
 
+double lux_of(const MapFacts& f, const DiscLight& sun) {
+  return f.source.provenance.white_luminance.value_or(1.0F) * glm::dot(sun.irradiance, luminance_weights(rec709));
+}
+
+// All in one line.
+std::string suns_of(const MapFacts& f) {
+  std::string words;
+  for (const DiscLight& sun : f.suns) {
+    const auto [azimuth, elevation] = angles_of(sun.towards);
+    words += fmt::format("{}azimuth {:.2f}, elevation {:.2f}: {:.4g} lux, {:.1f}% of the light",
+                         words.empty() ? "" : "; ", azimuth, elevation, lux_of(f, sun), 100 * sun.share);
+  }
+  return words;
+}
+
 std::string numbers(const Direction& v) { return fmt::format("{:12.6g} {:12.6g} {:12.6g}", v.x, v.y, v.z); }
 
 std::string space_of(const MapFacts& f) {
@@ -61,7 +76,8 @@ MapFacts facts_of(const Source& s, const std::string& file, const std::string& s
           m,
           range,
           std::isfinite(range) ? portable::log2(range) : range,
-          texels_at_most(s.map.base(), most)};
+          texels_at_most(s.map.base(), most),
+          flaws.nan + flaws.infinite > 0 ? std::vector<DiscLight>{} : find_lights(s.map).lights};
 }
 
 void add(Report& report, const MapFacts& f) {
@@ -109,6 +125,12 @@ void add(Report& report, const MapFacts& f) {
   report.put("brightest.azimuth", azimuth);
   report.put("brightest.elevation", elevation);
   report.put("texels_at_maximum", f.texels_at_maximum);
+  for (const DiscLight& sun : f.suns) {
+    report.append("suns[]");
+    report.put("suns[].towards", sun.towards);
+    report.put("suns[].lux", lux_of(f, sun));
+    report.put("suns[].share", sun.share);
+  }
   for (const auto& [word, text] : s.facts) report.put_word("metadata", word, text);
   report.put("nan", f.flaws.nan);
   report.put("infinite", f.flaws.infinite);
@@ -159,13 +181,17 @@ FactLines lines_of(const MapFacts& f) {
   const auto [azimuth, elevation] = angles_of(d);
   const std::int64_t same = f.texels_at_maximum;
   const std::int64_t touching = m.brightest_texels;
-  line("", fmt::format("azimuth {:.1f} degrees from +Z towards +X, elevation {:.1f}{}{}", azimuth, elevation,
-                       touching > 1 ? fmt::format(": the middle of {} equal texels", touching) : "",
-                       same > 1 ? fmt::format("; {} texels hold the maximum: clipped, or a light of one value", same)
-                                : ""));
+  line("",
+       fmt::format("azimuth {:.1f} degrees from +Z towards +X, elevation {:.1f}{}{}", azimuth, elevation,
+                   touching > 1 ? fmt::format(": the middle of {} equal texels", touching) : "",
+                   same > 1 ? fmt::format("; {} texels hold the maximum: clipped (convert --restore-sun), or a light "
+                                          "of one value",
+                                          same)
+                            : ""));
   if (m.brightest > 0)
     line("", fmt::format("convert --rotate={:.6g},0,0 turns its azimuth to +Z, --rotate sun:+z turns it to +Z",
                          0.0 - azimuth));
+  if (!f.suns.empty()) line(f.suns.size() == 1 ? "sun" : "suns", suns_of(f));
   line("flaws", fmt::format("{} NaN, {} infinite, {} negative", f.flaws.nan, f.flaws.infinite, f.flaws.negative));
   return lines;
 }

@@ -8,6 +8,7 @@
 
 #include "cli/report.h"
 #include "envmap/io/read.h"
+#include "envmap/light/lights.h"
 #include "envmap/operate/measure.h"
 
 namespace tools {
@@ -21,6 +22,7 @@ struct MapFacts {
   envmap::Measures measures;
   double range, stops;  // NaN where nothing is brighter than 0.
   std::int64_t texels_at_maximum;
+  std::vector<envmap::DiscLight> suns;  // By find_lights(); of a map with NaN or infinity none.
 };
 
 // @param source must outlive the result. @param space of --input-space, or empty. @param towards up if absent.

@@ -67,7 +67,8 @@ std::string equal_brightest(std::string_view command, const std::string& path, c
     }
   if (count < 2 || most * double(all) <= bright * sum) return {};
   return fmt::format(
-      "envmap {}: {}: {} texels hold the largest value, {:g}: if its light was clipped, the result is too dark",
+      "envmap {}: {}: {} texels hold the largest value, {:g}: if its light was clipped, the result is too dark "
+      "(convert --restore-sun adds what is missing)",
       command, path, count, most);
 }
 

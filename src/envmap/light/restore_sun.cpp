@@ -100,8 +100,8 @@ RestoredSun restore_sun(EnvironmentMap& map, const Flux& irradiance, double radi
                                    irradiance[c]));
   disc.add(map.base(), missing);
   require_no_overflow(map.base(), "the restored sun", "irradiance");
-  restored.irradiance_after = factor * disc.flux(map.base());
   restored.flux_after = flux(map.base());
+  restored.irradiance_after = restored.irradiance_before + factor * (restored.flux_after - restored.flux_before);
   map.levels.erase(map.levels.begin() + 1, map.levels.end());
   return restored;
 }
@@ -115,7 +115,7 @@ Flux irradiance_of_sun(const EnvironmentMap& map, double illuminance) {
 Flux irradiance_of_sun_in_atmosphere(const EnvironmentMap& map, double radius_degrees, const Run& run) {
   const ClippedSun sun = clipped_sun(map);
   if (!(sun.towards.y > 0)) throw InputError("the brightest texels lie below the horizon: no sun of a clear sky");
-  constexpr int rows = 64;  // The flux of the disc does not depend on them.
+  constexpr int rows = 32;  // The flux of the disc does not depend on them.
   Atmosphere air{.sun = sun.towards};
   const Daylight with = generate(air, Projection::latlong, rows, run);
   air.disc = false;

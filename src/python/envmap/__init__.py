@@ -30,6 +30,7 @@ from ._errors import AccuracyError, ArgumentError, Error, InputError, OutputErro
 from ._files import encode, pack, read, write
 from ._generate import generate
 from ._light import Lookup, Prefiltered, brdf_table, irradiance, level_roughnesses, lookup, prefilter, sh, shader_sh
+from ._lights import DiscLight, Lights, lights
 from ._map import Claim, Map, MapLike, Source
 from ._operations import Difference, Info, compare, convert, directions, info, mipmap, photograph, repair, solid_angles
 from ._preview import png, preview
@@ -40,11 +41,11 @@ from ._words import (Context, Depth, DrawMethod, Filter, Forward, Kind, Layout, 
 __version__: str = _envmap.__version__
 _os.register_at_fork(before=_envmap.before_fork)
 
-__all__ = ["AccuracyError", "ArgumentError", "Claim", "Difference", "Error", "Info", "InputError", "IrradianceGrid", "Light", "Lookup",
-           "Map", "OutputError", "Picture", "Prefiltered", "RenderedMap", "RendererError", "Scene", "Source", "UsageError", "__version__",
-           "bake", "brdf_table", "compare", "convert", "directions", "encode", "engines", "generate", "info", "irradiance",
-           "level_roughnesses", "limit_threads", "lookup", "mipmap", "pack", "photograph", "png", "prefilter", "preview", "read", "render",
-           "repair", "sh", "shader_sh", "solid_angles", "view", "write",
+__all__ = ["AccuracyError", "ArgumentError", "Claim", "Difference", "DiscLight", "Error", "Info", "InputError", "IrradianceGrid", "Light",
+           "Lights", "Lookup", "Map", "OutputError", "Picture", "Prefiltered", "RenderedMap", "RendererError", "Scene", "Source",
+           "UsageError", "__version__", "bake", "brdf_table", "compare", "convert", "directions", "encode", "engines", "generate", "info",
+           "irradiance", "level_roughnesses", "lights", "limit_threads", "lookup", "mipmap", "pack", "photograph", "png", "prefilter",
+           "preview", "read", "render", "repair", "sh", "shader_sh", "solid_angles", "view", "write",
            # Types of arguments, for annotations.
            "Context", "Depth", "DrawMethod", "Filter", "Forward", "Kind", "Layout", "Lens", "Lobe", "MapLike", "Method", "Mirror", "MirrorMap",
            "Orientation", "Path", "PixelFormat", "Place", "Progress", "Projection", "Quality", "Reflection", "Scattering", "ShBasis",

@@ -25,7 +25,7 @@ def engines() -> list[str]:
 @public
 def bake(map: AnyMap, engine: str, folder: Path, *, quality: Quality = "normal", size: Whole | None = None,
          chain_size: Whole | None = None, max_error: Number | None = None, exposure: Number = 0.0, depth: Depth | None = None,
-         clamp: bool = False, force: bool = False, progress: Progress = None) -> list[str]:
+         clamp: bool = False, force: bool = False, suns: bool = False, progress: Progress = None) -> list[str]:
     """Writes the folder that an engine loads, whole or not at all.
 
     Parameters
@@ -52,6 +52,8 @@ def bake(map: AnyMap, engine: str, folder: Path, *, quality: Quality = "normal",
         Clamp values that files cannot hold (default: False: they are an error).
     force : bool, optional
         Replace files that are read-only (default: False).
+    suns : bool, optional
+        Take the lights that lights() finds out of the maps, and write them as lights of the engine (default: False).
     progress : function, optional
         Is called with the fraction done, rising to 1. What it raises ends the work.
 
@@ -76,7 +78,8 @@ def bake(map: AnyMap, engine: str, folder: Path, *, quality: Quality = "normal",
     >>> "README.txt" in files
     True
     """
-    return _envmap.bake(core_of(map), engine, folder, quality, size, chain_size, max_error, exposure, depth, clamp, force, progress)  # type: ignore[no-any-return]
+    return _envmap.bake(core_of(map), engine, folder, quality, size, chain_size, max_error, exposure, depth, clamp, force, suns,
+                        progress)  # type: ignore[no-any-return]
 
 
 @public

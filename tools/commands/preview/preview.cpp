@@ -14,6 +14,7 @@
 #include "envmap/io/claims/colour.h"
 #include "envmap/io/claims/srgb.h"
 #include "envmap/io/images/picture.h"
+#include "envmap/light/lights.h"
 #include "envmap/maths/portable.h"
 #include "envmap/operate/measure.h"
 #include "envmap/projection/matching_size.h"
@@ -104,6 +105,17 @@ std::string lobe_in_words(const Facts& facts, std::size_t level) {
   return exponent.empty() ? "" : ", exponent " + exponent;
 }
 
+// The brightest direction first, then the lights that 'envmap lights' finds elsewhere.
+std::vector<Direction> lights_of(const EnvironmentMap& map) {
+  constexpr double apart = pi / 180;
+  std::vector<Direction> lights{measure(map).brightest_direction};
+  if (const Flaws flaws = find_flaws(map.base()); flaws.nan + flaws.infinite > 0) return lights;
+  for (const DiscLight& light : find_lights(map).lights)
+    if (angle_between(light.towards, lights.front()) > std::max(apart, light.radius_degrees * apart))
+      lights.push_back(light.towards);
+  return lights;
+}
+
 // The map, or all its levels.
 std::vector<Tile> maps_of(const Source& source, const std::string& input, const Look& look, const Request& o) {
   const std::string name = std::filesystem::path(input).filename().string();
@@ -115,9 +127,9 @@ std::vector<Tile> maps_of(const Source& source, const std::string& input, const 
     if (o.levels && source.map.levels.size() > 1)
       caption += fmt::format(" level {}{}", k, lobe_in_words(source.facts, k));
     if (o.marks && k == 0) {
-      const Direction d = measure(source.map).brightest_direction;
-      map.mark(source.map, d);
-      const Angles at = angles_of(d);
+      const std::vector<Direction> lights = lights_of(source.map);
+      map.mark(source.map, lights);
+      const Angles at = angles_of(lights.front());
       if (!face)
         caption += fmt::format("; ring: brightest, azimuth {:.1f}, elevation {:.1f}", at.azimuth, at.elevation);
     }

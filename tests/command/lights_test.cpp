@@ -1,0 +1,128 @@
+// `lights`, `bake --suns` and `convert --restore-sun` as their users run them.
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "command/run.h"
+
+namespace command_tests::lights_test {
+namespace {
+
+class Lights : public CommandTest {
+ protected:
+  // A sky of radiance 1 to 3, and a disc of one degree.
+  void make_sun(const std::string& direction = "1,2,1") const {
+    succeeds({"generate", "sun", "sun.exr", "--to", "latlong", "--size", "256", "--radius", "1", "--value", "10000",
+              "--direction", direction, "--depth", "float", "-q"});
+  }
+  [[nodiscard]] nlohmann::json flux_of(const std::string& map) const { return report({"info", map})["flux"]; }
+};
+
+constexpr double pi = 3.14159265358979323846;
+
+TEST_F(Lights, TellWhereASunIsAndWhatItIs) {
+  make_sun();
+  const auto said = report({"lights", "sun.exr", "--remainder", "rest.exr"});
+  ASSERT_EQ(said["lights"].size(), 1);
+  const auto& sun = said["lights"][0];
+  EXPECT_NEAR(sun["azimuth"].get<double>(), 45, 0.02);
+  EXPECT_NEAR(sun["elevation"].get<double>(), std::atan(std::sqrt(2.0)) * 180 / pi, 0.02);
+  EXPECT_NEAR(sun["radius"].get<double>(), 1, 0.01);
+  const double sine = std::sin(pi / 180), lux = 10000 * pi * sine * sine;
+  EXPECT_NEAR(sun["lux"].get<double>() / lux, 1, 1e-3);
+  for (int c = 0; c < 3; ++c)
+    EXPECT_NEAR((flux_of("rest.exr")[c].get<double>() + sun["flux"][c].get<double>()) /
+                    flux_of("sun.exr")[c].get<double>(),
+                1, 1e-6);
+  EXPECT_LT(report({"info", "rest.exr"})["maximum"][0].get<double>(), 1.1);
+  EXPECT_LT(said["error"]["irradiance"].get<double>(), 0.02);
+  EXPECT_GT(said["error"]["irradiance"].get<double>(), 0.001);
+}
+
+TEST_F(Lights, SayThatThereAreNone) {
+  succeeds({"generate", "sky", "sky.exr", "--to", "latlong", "--size", "64", "-q"});
+  const Result none = envmap({"lights", "sky.exr", "--gltf", "none.gltf"});
+  EXPECT_EQ(none.status, 1);
+  EXPECT_NE(none.err.find("no light"), std::string::npos);
+  EXPECT_EQ(files().count("none.gltf"), 0);
+}
+
+// KHR_lights_punctual: a light shines along the -Z of its node, and intensity x color is the irradiance.
+TEST_F(Lights, OfGltfShineFromWhereTheSunIs) {
+  make_sun("1,2,-0.5");
+  succeeds({"lights", "sun.exr", "--gltf", "suns.gltf", "-q"});
+  const auto gltf = nlohmann::json::parse(read("suns.gltf"));
+  const auto& light = gltf["extensions"]["KHR_lights_punctual"]["lights"][0];
+  EXPECT_EQ(light["type"], "directional");
+  const double sine = std::sin(pi / 180);
+  EXPECT_NEAR(light["intensity"].get<double>() / (10000 * pi * sine * sine), 1, 1e-3);
+  const auto q = gltf["nodes"][0]["rotation"].get<std::vector<double>>();  // x, y, z, w
+  const double x = 2 * (q[0] * q[2] + q[3] * q[1]), y = 2 * (q[1] * q[2] - q[3] * q[0]),
+               z = 1 - 2 * (q[0] * q[0] + q[1] * q[1]);  // Of +Z, turned.
+  const double length = std::sqrt(1 + 4 + 0.25);
+  EXPECT_NEAR(x, 1 / length, 2e-4);
+  EXPECT_NEAR(y, 2 / length, 2e-4);
+  EXPECT_NEAR(z, -0.5 / length, 2e-4);
+}
+
+// Shares of a sky of even radiance: their sum is its flux, and each is as large as any other.
+TEST_F(Lights, OfMedianCutShareOutTheFlux) {
+  succeeds({"generate", "constant", "white.exr", "--to", "latlong", "--size", "128", "-q"});
+  const auto lights = report({"lights", "white.exr", "--count", "32"})["lights"];
+  ASSERT_EQ(lights.size(), 32);
+  double sum = 0;
+  for (const auto& light : lights) {
+    sum += light["irradiance"][1].get<double>();
+    EXPECT_NEAR(light["share"].get<double>(), 1.0 / 32, 0.002);
+  }
+  EXPECT_NEAR(sum, 4 * pi, 1e-4);
+}
+
+TEST_F(Lights, LeaveTheMapsOfABakeAndStandBesideThem) {
+  make_sun();
+  for (const auto& [engine, file, word] : {std::array<std::string, 3>{"three", "suns.js", "DirectionalLight"},
+                                           {"usd", "light.usda", "DistantLight \"Sun1\""},
+                                           {"blender", "world.py", "sun_threshold = 0"},
+                                           {"godot", "suns.tscn", "light_angular_distance = "},
+                                           {"unreal", "suns.txt", "diameter "}}) {
+    SCOPED_TRACE(engine);
+    const auto said = report({"bake", "sun.exr", engine, "--for", engine, "--suns", "-q"});
+    EXPECT_EQ(said["suns"].size(), 1);
+    EXPECT_NE(read(engine + "/" + file).find(word), std::string::npos);
+    EXPECT_NE(read(engine + "/README.txt").find("Suns: " + file), std::string::npos);
+    const std::string map = engine == "unreal" ? "background.hdr" : "background.exr";
+    EXPECT_LT(report({"info", engine + "/" + map})["maximum"][0].get<double>(), 1.2);
+    EXPECT_EQ(report({"bake", "sun.exr", engine, "--for", engine, "--suns", "-q"})["suns"].size(), 1);  // Replaces it.
+  }
+}
+
+TEST_F(Lights, ThatAreMissingAreNotInvented) {
+  succeeds({"generate", "sky", "sky.exr", "--to", "latlong", "--size", "64", "-q"});
+  const Result baked = envmap({"bake", "sky.exr", "lights", "--for", "three", "--suns", "-q"});
+  EXPECT_EQ(baked.status, 0);
+  EXPECT_NE(baked.err.find("no light for --suns"), std::string::npos);
+  EXPECT_EQ(files().count("lights/suns.js"), 0);
+}
+
+TEST_F(Lights, ThatWereClippedAreRestored) {
+  make_sun();
+  const Result cut =
+      envmap({"convert", "sun.exr", "cut.png", "--exposure", "-2", "--depth", "uint16", "--clamp", "-q"});
+  ASSERT_EQ(cut.status, 0) << cut.err;
+  for (const auto& [how, wanted] : {std::pair<std::string, double>{"lux=50", 50}, {"irradiance=50,50,50", 50}}) {
+    const auto said = report(
+        {"convert", "cut.png", "whole.exr", "--depth", "float", "--restore-sun", how, "--sun-radius", "0.8"})["sun"];
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(said["irradiance_after"][c].get<double>() / wanted, 1, 1e-4);
+    const auto sun = report({"lights", "whole.exr"})["lights"][0];
+    EXPECT_NEAR(sun["azimuth"].get<double>(), 45, 0.1);
+    EXPECT_NEAR(sun["lux"].get<double>(), wanted, 0.02 * wanted);
+    EXPECT_NEAR(flux_of("whole.exr")[0].get<double>(), said["flux_after"][0].get<double>(), 1e-3);
+  }
+  EXPECT_EQ(report({"convert", "cut.png", "day.exr", "--restore-sun", "atmosphere"})["sun"]["radius"], 0.2666);
+  fails(2, {"convert", "cut.png", "no.exr", "--restore-sun", "lots"}, {"--restore-sun"});
+  fails(3, {"convert", "sun.exr", "no.exr", "--restore-sun", "lux=1e-3"}, {"more than"});
+}
+
+}  // namespace
+}  // namespace command_tests::lights_test
