@@ -170,7 +170,11 @@ bool holds(const Convert& o, const Rounding& rounding, const Level& made, double
 
 // A map, or a photo that becomes one.
 Source read_input(const Convert& o, std::optional<Picture>& circle, Report& report) {
-  if (!o.photo.of) return read_map(o.input, o.read);
+  if (!o.photo.of) {
+    Source source = read_map(o.input, o.read);
+    if (source.map.projection() == Projection::sphere) tell_range(o.input, source);  // A cropped photo of a ball.
+    return source;
+  }
   PhotoSource photo = read_photo(o.input, o.photo, o.read, report);
   circle = std::move(photo.circle);
   return std::move(photo.source);
