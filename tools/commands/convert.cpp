@@ -446,11 +446,12 @@ Action define_convert(Options& o) {
                         "Angle that the ball subtends at the camera, instead of --ball-distance");
   field.excludes = "--ball-distance", field.folded = true;
   o.group = "Camera view (--to perspective, fisheye or cylinder)";
-  o.add("--look-at", "X,Y,Z", Triple{&c->look_at}, "World direction at the centre of the view (default: 0,0,1)");
+  o.add("--look-at", "X,Y,Z", Triple{&c->look_at}, "World direction at the centre (default: 0,0,1), see also --width");
   o.add("--fov", "DEGREES", &c->fov, {0.01, 360},
         "Field of view (default: perspective 60, cylinder 90, fisheye in or out 180)");
   o.add("--width", "N", &c->width, range_of(limits::picture_width),
-        "Width, with --size as height (default: height 480, width by projection)");
+        "Width, with --size as height (default: height 480, width by projection)")
+      .folded = true;
   add_shard(o, "convert", c->shard);
   add_max_memory(o, c->read);
   return [c, &o](Report& report) {

@@ -40,21 +40,21 @@ std::string words(const Deviation& d) {
 }  // namespace
 
 void add_gain_map(Options& o, GainMapRequest& request) {
-  o.flag("--gain-map", request.wanted, ".jpg: keep light above white, in a gain map (Ultra HDR, ISO 21496-1)");
-  o.add(
-       "--gain-map-channels", "1|3",
-       [&request](const std::string& word) {
-         request.channels = word == "1" ? 1 : 3;
-         return word == "1" || word == "3";
-       },
-       "Gains of 1 or of 3 channels: {} (default: 3)")
-      .needs = "--gain-map";
+  o.flag("--gain-map", request.wanted, ".jpg: keep light above white, see also --max-bytes and --gain-map-channels");
+  Option& channels = o.add(
+      "--gain-map-channels", "1|3",
+      [&request](const std::string& word) {
+        request.channels = word == "1" ? 1 : 3;
+        return word == "1" || word == "3";
+      },
+      "Gains of 1 or of 3 channels: {} (default: 3)");
+  channels.needs = "--gain-map", channels.folded = true;
 }
 
 void add_max_bytes(Options& o, GainMapRequest& request) {
-  o.add("--max-bytes", "SIZE", Size{&request.max_bytes, false}, {1, 0x1p40},
-        "--gain-map: size limit of the file, such as 500K (default: none)")
-      .needs = "--gain-map";
+  Option& size = o.add("--max-bytes", "SIZE", Size{&request.max_bytes, false}, {1, 0x1p40},
+                       "--gain-map: size limit of the file, such as 500K (default: none)");
+  size.needs = "--gain-map", size.folded = true;
 }
 
 GainMapOptions gain_map_options(const GainMapRequest& request) {
