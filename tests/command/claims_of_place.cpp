@@ -120,26 +120,26 @@ std::string webp_with_xmp(int width, int height, const std::string& xmp) {
 // The lower half is black: the mean is half of what the texels are.
 void add_panoramas(std::vector<ClaimRow>& rows) {
   const auto add = [&](const std::string& format, const std::string& name, const std::string& bytes,
-                       const std::array<double, 3>& texel, const std::vector<std::string>& words, double tolerance) {
+                       const std::array<double, 3>& colour, const std::vector<std::string>& said, double tolerance) {
     if (!bytes.empty())
       rows.push_back({format,
                       "GPano",
                       Becomes::honoured,
                       name,
                       bytes,
-                      {texel[0] / 2, texel[1] / 2, texel[2] / 2},
-                      words,
+                      {colour[0] / 2, colour[1] / 2, colour[2] / 2},
+                      said,
                       tolerance});
   };
   const std::string xmp = upper_half(8, 2), linear = png_chunk("gAMA", big(100000, 4));
-  const std::array<double, 3> radiance{32768 / 65535.0, 16384 / 65535.0, 6554 / 65535.0};
+  const std::array<double, 3> texel{32768 / 65535.0, 16384 / 65535.0, 6554 / 65535.0};
   const std::string keyword("XML:com.adobe.xmp\0", 18);
-  const std::vector<std::string> words{"8x2 of a panorama of 8x4, at 0,0"};
+  const std::vector<std::string> whole{"8x2 of a panorama of 8x4, at 0,0"};
   const auto text = [&](const std::string& data) {
     return png(8, 2, 16, {32768, 16384, 6554}, linear + png_chunk("iTXt", keyword + data));
   };
-  add("PNG", "pano.png", text(std::string(4, '\0') + xmp), radiance, words, 1e-4);
-  add("PNG", "packed-pano.png", text(std::string("\1\0en\0\0", 6) + stored_zlib(xmp)), radiance, words, 1e-4);
+  add("PNG", "pano.png", text(std::string(4, '\0') + xmp), texel, whole, 1e-4);
+  add("PNG", "packed-pano.png", text(std::string("\1\0en\0\0", 6) + stored_zlib(xmp)), texel, whole, 1e-4);
   rows.push_back({"PNG",
                   "GPano",
                   Becomes::refused,
@@ -150,7 +150,7 @@ void add_panoramas(std::vector<ClaimRow>& rows) {
   const std::string strip = repeated(little_float(0.5F) + little_float(0.25F) + little_float(0.125F), 16);
   add("TIFF", "pano.tif",
       tiff(8, 2, 3, 32, strip, {{339, 3, 3, little(3, 2) + little(3, 2) + little(3, 2)}, {700, 1, xmp.size(), xmp}}),
-      light, words, 1e-4);
+      light, whole, 1e-4);
   const double grey = std::pow((188 / 255.0 + 0.055) / 1.055, 2.4);
   const std::array<double, 3> greys{grey, grey, grey};
   const std::vector<std::string> larger{"32x8 of a panorama of 32x16, at 0,0"};

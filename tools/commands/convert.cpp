@@ -172,7 +172,11 @@ bool holds(const Convert& o, const Rounding& rounding, const Level& made, double
 
 // A map, or a photo that becomes one.
 Source read_input(const Convert& o, std::optional<Picture>& circle, Report& report) {
-  if (!o.photo.of) return read_map(o.input, o.read);
+  if (!o.photo.of) {
+    Source source = read_map(o.input, o.read);
+    if (source.map.projection() == Projection::sphere) tell_range(o.input, source);  // A cropped photo of a ball.
+    return source;
+  }
   PhotoSource photo = read_photo(o.input, o.photo, o.read, report);
   circle = std::move(photo.circle);
   return std::move(photo.source);
@@ -450,11 +454,12 @@ Action define_convert(Options& o) {
                         "Angle that the ball subtends at the camera, instead of --ball-distance");
   field.excludes = "--ball-distance", field.folded = true;
   o.group = "Camera view (--to perspective, fisheye or cylinder)";
-  o.add("--look-at", "X,Y,Z", Triple{&c->look_at}, "World direction at the centre of the view (default: 0,0,1)");
+  o.add("--look-at", "X,Y,Z", Triple{&c->look_at}, "World direction at the centre (default: 0,0,1), see also --width");
   o.add("--fov", "DEGREES", &c->fov, {0.01, 360},
         "Field of view (default: perspective 60, cylinder 90, fisheye in or out 180)");
   o.add("--width", "N", &c->width, range_of(limits::picture_width),
-        "Width, with --size as height (default: height 480, width by projection)");
+        "Width, with --size as height (default: height 480, width by projection)")
+      .folded = true;
   add_shard(o, "convert", c->shard);
   add_max_memory(o, c->read);
   return [c, &o](Report& report) {

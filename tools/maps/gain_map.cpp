@@ -40,7 +40,7 @@ std::string words(const Deviation& d) {
 }  // namespace
 
 void add_gain_map(Options& o, GainMapRequest& request) {
-  o.flag("--gain-map", request.wanted, ".jpg: keep light above white in a gain map, see also --max-bytes");
+  o.flag("--gain-map", request.wanted, ".jpg: keep light above white, see also --max-bytes and --gain-map-channels");
   Option& channels = o.add(
       "--gain-map-channels", "1|3",
       [&request](const std::string& word) {
@@ -52,9 +52,9 @@ void add_gain_map(Options& o, GainMapRequest& request) {
 }
 
 void add_max_bytes(Options& o, GainMapRequest& request) {
-  Option& bytes = o.add("--max-bytes", "SIZE", Size{&request.max_bytes, false}, {1, 0x1p40},
-                        "--gain-map: size limit of the file, such as 500K (default: none)");
-  bytes.needs = "--gain-map", bytes.folded = true;
+  Option& size = o.add("--max-bytes", "SIZE", Size{&request.max_bytes, false}, {1, 0x1p40},
+                       "--gain-map: size limit of the file, such as 500K (default: none)");
+  size.needs = "--gain-map", size.folded = true;
 }
 
 GainMapOptions gain_map_options(const GainMapRequest& request) {

@@ -227,10 +227,14 @@ void resolve_photo_options(PhotoOptions& photo, const ReadOptions& read) {
     throw UsageError("--from-forward is for latlong and angular maps and for fisheyes: use --rotate");
 }
 
+void tell_range(const std::string& path, const Source& photo) {
+  if (is_integer(photo.depth))
+    note(fmt::format("envmap convert: {}: holds no values above 1: lights that are brighter were clipped", path));
+}
+
 PhotoSource read_photo(const std::string& path, const PhotoOptions& photo, const ReadOptions& read, Report& report) {
   PhotoSource made{.source = read_picture(path, read), .circle = {}};
-  if (is_integer(made.source.depth))
-    note(fmt::format("envmap convert: {}: holds no values above 1: lights that are brighter were clipped", path));
+  tell_range(path, made.source);
   std::optional<Source> back;
   if (!photo.back.empty()) back = read_picture(photo.back, read);
   Source& source = made.source;

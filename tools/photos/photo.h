@@ -33,6 +33,9 @@ struct PhotoSource {
   std::optional<Picture> circle;  // Of --circle-picture, to be written with the map.
 };
 
+// Says that a photo of integers ends at white, if it does.
+void tell_range(const std::string& path, const envmap::Source& photo);
+
 // Says which circle was found, and how much of the sphere the photo shows.
 PhotoSource read_photo(const std::string& path, const PhotoOptions& photo, const envmap::ReadOptions& read,
                        Report& report);
