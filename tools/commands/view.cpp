@@ -226,7 +226,7 @@ int run(Request& o, Report& report) {
   std::optional<MirrorPainter> painter;
   if (o.method == ViewMethod::maps) {
     painter.emplace(o.scene.context, loaded, mirrors);
-    if (settings().verbose) note(painter->context().renderer());
+    tell_renderer(painter->context());
   }
   if (viewpoints.is_framed()) note(fmt::format("{}: has no camera; all of it is in sight", o.scene.path));
   const Scenery scenery{o, loaded, viewpoints, frames};

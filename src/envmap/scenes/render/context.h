@@ -25,12 +25,14 @@ class Context {
 
   /// The library, and what GL says of the renderer and its version.
   [[nodiscard]] const std::string& renderer() const { return renderer_; }
+  /// Why no graphics card draws, where `automatic` found one, or its driver. Empty if there is none.
+  [[nodiscard]] const std::string& passed_over() const { return passed_over_; }
   [[nodiscard]] bool on_processor() const { return on_processor_; }  ///< llvmpipe or softpipe.
 
  private:
   struct Handle;
   std::unique_ptr<Handle> handle_;
-  std::string renderer_;
+  std::string renderer_, passed_over_;
   bool on_processor_ = true;
 };
 
