@@ -36,7 +36,7 @@ manual, and 'eval "$(bin/envmap completion)"' completes commands in bash.
 
 'render' and 'view' draw with the graphics card if its driver is of this system and can be loaded, else on the processor.
 '--context osmesa' leaves the driver alone.
-EXR, HDR, PNG, JPEG, TIFF, PFM, KTX, KTX2, DDS and .env files are read. For the others, unpack
+EXR, HDR, PNG, PFM, KTX, KTX2, DDS and .env files are read and written, JPEG and TIFF read. For the rest, unpack
 envmap-{version}-linux-x86_64-formats.tar.xz over this folder.
 
 envmap is under the MIT licence: share/doc/envmap/LICENSE. The libraries in lib are Debian's, unchanged but for the path

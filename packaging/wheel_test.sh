@@ -22,7 +22,7 @@ import envmap
 
 sample = envmap.read("/wheels/sample.hdr")
 cube = envmap.convert(sample, "cube", size=32)
-for name in "cube.exr", "cube.png", "cube.tif", "cube.ktx2", "cube.dds":
+for name in "cube.exr", "cube.png", "cube.hdr", "cube.ktx2", "cube.dds":
     envmap.write(name, cube, clamp=True)
     assert envmap.read(name).projection == "cube", name
 ggx = envmap.prefilter(cube, "ggx", roughness=0.5, size=16)

@@ -11,7 +11,7 @@
 
 #include "cli/console.h"
 #include "envmap/base/error.h"
-#include "envmap/base/own_program.h"
+#include "envmap/base/system.h"
 
 namespace tools {
 namespace {

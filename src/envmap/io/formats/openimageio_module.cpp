@@ -5,7 +5,7 @@
 #include <filesystem>
 
 #include "envmap/base/error.h"
-#include "envmap/base/own_program.h"
+#include "envmap/base/system.h"
 
 namespace envmap {
 namespace {
