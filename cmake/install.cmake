@@ -3,8 +3,12 @@ include(CMakePackageConfigHelpers)
 set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME envmap)
 
 # The program.
-install(TARGETS envmap_program RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
-install(TARGETS envmap_formats LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/envmap)
+if(ENVMAP_SCENES)
+  install(TARGETS envmap_program RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+endif()
+if(ENVMAP_OPENIMAGEIO)
+  install(TARGETS envmap_formats LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/envmap)
+endif()
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/docs/library.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
 foreach(folder how-to reference tutorial)
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs/${folder} DESTINATION ${CMAKE_INSTALL_DOCDIR})
@@ -19,31 +23,37 @@ foreach(section 1 3 7)
   install(FILES ${pages} DESTINATION ${CMAKE_INSTALL_MANDIR}/man${section})
 endforeach()
 # Completions, where each shell looks for them by itself; the program knows its options.
-set(bash_place bash-completion/completions/envmap)
-set(zsh_place zsh/site-functions/_envmap)
-set(fish_place fish/vendor_completions.d/envmap.fish)
-set(scripts)
-foreach(shell bash zsh fish)
-  set(script ${PROJECT_BINARY_DIR}/completions/${${shell}_place})
-  cmake_path(GET script PARENT_PATH folder)
-  file(MAKE_DIRECTORY ${folder})
-  add_custom_command(OUTPUT ${script} COMMAND envmap_program completion ${shell} > ${script} DEPENDS envmap_program
-    VERBATIM)
-  list(APPEND scripts ${script})
-endforeach()
-add_custom_target(completions ALL DEPENDS ${scripts})
-install(DIRECTORY ${PROJECT_BINARY_DIR}/completions/ DESTINATION ${CMAKE_INSTALL_DATADIR})
+if(ENVMAP_SCENES)
+  set(bash_place bash-completion/completions/envmap)
+  set(zsh_place zsh/site-functions/_envmap)
+  set(fish_place fish/vendor_completions.d/envmap.fish)
+  set(scripts)
+  foreach(shell bash zsh fish)
+    set(script ${PROJECT_BINARY_DIR}/completions/${${shell}_place})
+    cmake_path(GET script PARENT_PATH folder)
+    file(MAKE_DIRECTORY ${folder})
+    add_custom_command(OUTPUT ${script} COMMAND envmap_program completion ${shell} > ${script} DEPENDS envmap_program
+      VERBATIM)
+    list(APPEND scripts ${script})
+  endforeach()
+  add_custom_target(completions ALL DEPENDS ${scripts})
+  install(DIRECTORY ${PROJECT_BINARY_DIR}/completions/ DESTINATION ${CMAKE_INSTALL_DATADIR})
+endif()
 
 # The library: shared as envmap::envmap, static as envmap::static; and envmap::scenes, which draws.
 install(TARGETS envmap_shared EXPORT shared LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}
   FILE_SET HEADERS DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
-install(TARGETS envmap_scenes_shared EXPORT scenes LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}
-  FILE_SET HEADERS DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+if(ENVMAP_SCENES)
+  install(TARGETS envmap_scenes_shared EXPORT scenes LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}
+    FILE_SET HEADERS DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+endif()
 install(TARGETS envmap EXPORT static ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 # Not in a folder of the processor, as lib/x86_64-linux-gnu, which projects without a language do not search.
 set(package lib/cmake/envmap)
 install(EXPORT shared NAMESPACE envmap:: FILE envmapTargets.cmake DESTINATION ${package})
-install(EXPORT scenes NAMESPACE envmap:: FILE envmapScenesTargets.cmake DESTINATION ${package})
+if(ENVMAP_SCENES)
+  install(EXPORT scenes NAMESPACE envmap:: FILE envmapScenesTargets.cmake DESTINATION ${package})
+endif()
 install(EXPORT static NAMESPACE envmap:: FILE envmapStaticTargets.cmake DESTINATION ${package})
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/envmapConfig.cmake.in ${PROJECT_BINARY_DIR}/envmapConfig.cmake
   INSTALL_DESTINATION ${package} PATH_VARS CMAKE_INSTALL_BINDIR NO_SET_AND_CHECK_MACRO)
@@ -61,8 +71,10 @@ foreach(flags OpenColorIO_LDFLAGS Png_LDFLAGS Jpeg_LDFLAGS Tiff_LDFLAGS Lcms_LDF
 endforeach()
 configure_file(${CMAKE_CURRENT_LIST_DIR}/envmap.pc.in ${PROJECT_BINARY_DIR}/envmap.pc @ONLY)
 configure_file(${CMAKE_CURRENT_LIST_DIR}/envmap-scenes.pc.in ${PROJECT_BINARY_DIR}/envmap-scenes.pc @ONLY)
-install(FILES ${PROJECT_BINARY_DIR}/envmap.pc ${PROJECT_BINARY_DIR}/envmap-scenes.pc
-  DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+install(FILES ${PROJECT_BINARY_DIR}/envmap.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+if(ENVMAP_SCENES)
+  install(FILES ${PROJECT_BINARY_DIR}/envmap-scenes.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+endif()
 
 # The Python module, of a package of its own: 'cmake --install' leaves it out, 'pip install .' knows its place.
 if(ENVMAP_PYTHON)

@@ -1,6 +1,7 @@
 // Help, pages and completions.
 #include <filesystem>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <regex>
 #include <sstream>
 
@@ -56,6 +57,21 @@ TEST_F(Help, KnowsTheVersion) {
       r.out, std::regex("envmap \\d+\\.\\d+\\.\\d+( \\([0-9a-f]{7,}\\+?\\))?\nwith OpenEXR \\d[^\n]*, zstd \\d\\S*\n"
                         "draws with (EGL|OSMesa), [^\n]+, OpenGL \\d[^\n]*\n")))
       << r.out;
+}
+
+TEST_F(Help, KnowsTheVersionsAsJson) {
+  const Result text = envmap({"--version"});
+  for (const std::vector<std::string>& line :
+       {std::vector<std::string>{"--version", "--json"}, {"--json", "--version"}}) {
+    const Result r = envmap(line);
+    EXPECT_EQ(r.status, 0) << r.err;
+    const auto read = nlohmann::json::parse(r.out);
+    EXPECT_EQ(text.out.rfind("envmap " + read["envmap"].get<std::string>(), 0), 0U);
+    for (const auto& [name, version] : read["libraries"].items())
+      EXPECT_NE(text.out.find(name + " " + version.get<std::string>()), std::string::npos) << name;
+    EXPECT_GE(read["libraries"].size(), 10U);
+    EXPECT_NE(text.out.find("draws with " + read["renderer"].get<std::string>()), std::string::npos);
+  }
 }
 
 TEST_F(Help, IsWhatTheRepositorysPagesSay) {

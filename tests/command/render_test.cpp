@@ -254,6 +254,18 @@ TEST_F(Render, AContextIsNotIgnored) {
   fails(2, {"view", "scene.obj", "b.png", "--method", "raycast", "--context", "osmesa"}, {"--context", "raycast"});
 }
 
+// A driver that cannot be loaded, such as that of a system with a newer libc under the portable archive.
+TEST_F(Render, ADriverThatDoesNotLoadIsPassedOver) {
+  const std::string line = "\"$ENVMAP\" render scene.obj --ambient 1 --size 8 --method exact ";
+  if (shell(line + "a.exr -q --context osmesa").status != 0) GTEST_SKIP() << "no OSMesa";
+  write("libEGL.so.1", "");
+  const Result r = shell("LD_LIBRARY_PATH=. " + line + "b.exr");
+  EXPECT_EQ(r.status, 0);
+  EXPECT_NE(r.err.find("the graphics card does not draw: EGL (./libEGL.so.1: file too short)"), std::string::npos)
+      << r.err;
+  EXPECT_EQ(shell("LD_LIBRARY_PATH=. " + line + "c.exr -q").err, "");
+}
+
 TEST_F(Render, NoRenderer) {
   // What stands before the system's libraries and is none.
   write("libEGL.so.1", "");

@@ -5,7 +5,9 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <sstream>
+#include <string_view>
 
 #include "cli/help.h"
 #include "envmap/base/error.h"
@@ -154,6 +156,8 @@ std::string explain(const CLI::ParseError& error, const CLI::App& app, const std
 void parse(const std::vector<std::string>& words, Parsed& parsed, Settings& settings) {
   CLI::App app("Convert, measure and make environment maps.", "envmap");
   app.set_version_flag("--version", [] { return version_text() + "\n" + renderer_text(); });
+  if (std::ranges::is_permutation(words, std::array<std::string_view, 2>{"--version", "--json"}))
+    throw HelpRequested{version_json()};
   app.require_subcommand(1);
   CLI::App* chosen = nullptr;
   for (const Command& command : commands()) {

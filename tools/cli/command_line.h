@@ -31,6 +31,8 @@ void parse(const std::vector<std::string>& words, Parsed& parsed, Settings& sett
 /// Checks the files that are named, runs the action, writes the depfile and prints the report. @return the exit status.
 int run(Parsed& parsed);
 
+/// What --version --json prints: version, commit, libraries and renderer, as JSON.
+std::string version_json();
 /// What --version prints: the version, the commit where it is known, the libraries.
 std::string version_text();
 

@@ -80,7 +80,7 @@ std::string overview() {
       "Commands:\n";
   for (const Command& c : commands()) all += beside(fmt::format("  {}", c.name), text_of(c.name).summary);
   return all + "Options:\n" + beside("  -h, --help", "Print this help") +
-         beside("  --version", "Print the version, the libraries and the renderer") +
+         beside("  --version", "Print the version, the libraries and the renderer; also with --json") +
          "'envmap COMMAND -h' shows the main options of a command, 'envmap COMMAND --help' all of them.\n"
          "Manual: man envmap; recipes: man 7 envmap; symptoms: how-to/troubleshooting.md in share/doc/envmap\n";
 }

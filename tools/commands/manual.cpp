@@ -11,7 +11,7 @@
 #include "cli/text.h"
 #include "command.h"
 #include "envmap/base/error.h"
-#include "envmap/base/own_program.h"
+#include "envmap/base/system.h"
 #include "maps/read_and_write_maps.h"
 
 namespace tools {

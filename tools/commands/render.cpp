@@ -45,7 +45,7 @@ class Painter {
         renderer_(loaded.scene, loaded.environment.get(), nodes_of(mirrors)),
         found_(mirrors),
         mirrors_(loaded.scene, mirrors) {
-    if (settings().verbose) note(context_.renderer());
+    tell_renderer(context_);
   }
 
   // @param moved meshes whose vertices are others than in the last shot.

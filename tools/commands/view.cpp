@@ -227,7 +227,7 @@ int run(Request& o, Report& report) {
   std::optional<MirrorPainter> painter;
   if (o.method == ViewMethod::maps) {
     context.emplace(o.scene.context);
-    if (settings().verbose) note(context->renderer());
+    tell_renderer(*context);
     painter.emplace(loaded, mirrors);
   }
   if (viewpoints.is_framed()) note(fmt::format("{}: has no camera; all of it is in sight", o.scene.path));

@@ -11,6 +11,7 @@
 
 #include "cli/console.h"
 #include "envmap/base/error.h"
+#include "envmap/base/system.h"
 
 namespace tools {
 namespace {
@@ -29,6 +30,7 @@ std::vector<fs::path> font_folders() {
   std::vector<fs::path> folders{fs::path(setting("XDG_DATA_HOME", home / ".local/share")) / "fonts", home / ".fonts"};
   std::istringstream shared(setting("XDG_DATA_DIRS", "/usr/local/share:/usr/share"));
   for (std::string folder; std::getline(shared, folder, ':');) folders.push_back(fs::path(folder) / "fonts");
+  folders.push_back(own_program().parent_path() / "../share/fonts");  // Of the portable archive.
   return folders;
 }
 

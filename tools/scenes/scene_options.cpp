@@ -86,6 +86,11 @@ std::optional<FrameMark> frame_mark(const std::string& name, std::size_t from = 
 
 }  // namespace
 
+void tell_renderer(const Context& context) {
+  if (!context.passed_over().empty()) note(fmt::format("the graphics card does not draw: {}", context.passed_over()));
+  if (settings().verbose) note(context.renderer());
+}
+
 bool is_numbered(const std::string& output) {
   const auto folder = output.rfind('/') + 1;  // 0 where there is none.
   for (auto mark = frame_mark(output, folder); mark; mark = frame_mark(output, mark->end))

@@ -35,6 +35,9 @@ void add_scene_input(Options& o, SceneOptions& scene);
 /// For --method raycast. @throws UsageError where --context is given, which rays have no use for.
 void check_no_context(const SceneOptions& options);
 
+/// What draws, with --verbose, and why not the graphics card that is there.
+void tell_renderer(const envmap::Context& context);
+
 /// Whether a name stands for one file a frame: it holds {frame} or %04d.
 bool is_numbered(const std::string& output);
 

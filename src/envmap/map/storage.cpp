@@ -5,7 +5,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-#include <cstdio>
+#include <cerrno>
 #include <cstdlib>
 #include <cstring>
 #include <new>
@@ -13,8 +13,7 @@
 #include <utility>
 
 #include "envmap/base/error.h"
-#include "envmap/base/free_space.h"
-#include "envmap/base/large_pages.h"
+#include "envmap/base/system.h"
 
 namespace envmap {
 namespace {
@@ -34,23 +33,12 @@ Colour* map_scratch_file(std::size_t bytes) {
   if (file < 0) fail(errno);
   ::unlink(path.c_str());
   // Which is known at once; to fill the disk first takes minutes.
-  const int full = has_room(file, bytes) ? ::posix_fallocate(file, 0, off_t(bytes)) : ENOSPC;
+  const int full = lacks_room(file, bytes) ? ENOSPC : take_room(file, bytes);
   void* const data = full ? MAP_FAILED : ::mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_SHARED, file, 0);
   const int error = full ? full : errno;
   ::close(file);
   if (data == MAP_FAILED) fail(error);
   return static_cast<Colour*>(data);
-}
-
-// Bytes of memory that the process has.
-std::size_t resident() {
-  std::FILE* const file = std::fopen("/proc/self/statm", "r");
-  unsigned long all = 0, pages = 0;
-  if (file) {
-    if (std::fscanf(file, "%lu %lu", &all, &pages) != 2) pages = 0;
-    std::fclose(file);
-  }
-  return pages * std::size_t(::sysconf(_SC_PAGE_SIZE));
 }
 
 // calloc() takes the zeros of large blocks from the system, page by page as they are first written.
@@ -87,7 +75,7 @@ Storage::~Storage() {
 
 void Storage::trim() const {
   // Between two calls a thread may take as much again as it works on.
-  if (limit_ && resident() > limit_ / 4 * 3) ::madvise(data_, count_ * sizeof(Colour), MADV_DONTNEED);
+  if (limit_ && resident_bytes() > limit_ / 4 * 3) forget_pages(data_, count_ * sizeof(Colour));
 }
 
 }  // namespace envmap

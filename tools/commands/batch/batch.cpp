@@ -11,7 +11,7 @@
 #include "commands/batch/manifest.h"
 #include "commands/batch/schedule.h"
 #include "envmap/base/error.h"
-#include "envmap/base/own_program.h"
+#include "envmap/base/system.h"
 #include "maps/read_and_write_maps.h"
 
 namespace tools {

@@ -2,7 +2,6 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -15,8 +14,8 @@
 #include <vector>
 
 #include "envmap/base/error.h"
-#include "envmap/base/free_space.h"
 #include "envmap/base/remove_on_signal.h"
+#include "envmap/base/system.h"
 
 namespace envmap {
 namespace {
@@ -45,18 +44,6 @@ std::string shown(const std::string& path) { return path == "-" ? "standard outp
 // Where it is a file, another would take its place, and what the shell appends to would be gone.
 bool is_standard_output(const std::string& name) {
   return name == "-" || name == "/dev/stdout" || name == "/dev/fd/1" || name == "/proc/self/fd/1";
-}
-
-// A file that has no name yet, so that nothing is left of it however the program ends. Not every file system has those.
-int open_nameless(const std::string& folder) {
-  static const bool can_be_named = ::access("/proc/self/fd", X_OK) == 0;
-  return can_be_named ? ::open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0666) : -1;
-}
-
-// The file is there without a name: gives it one that nothing has. @return whether it did.
-bool link_as(int descriptor, const std::string& name) {
-  return ::linkat(AT_FDCWD, fmt::format("/proc/self/fd/{}", descriptor).c_str(), AT_FDCWD, name.c_str(),
-                  AT_SYMLINK_FOLLOW) == 0;
 }
 
 }  // namespace
@@ -128,7 +115,7 @@ OutputFile::OutputFile(const std::string& name, const CommitOptions& how)
   }
 }
 
-OutputFile::OutputFile() : descriptor_(::memfd_create("envmap", MFD_CLOEXEC)) {
+OutputFile::OutputFile() : descriptor_(open_in_memory()) {
   if (descriptor_ < 0) throw OutputError(fmt::format("cannot hold the file in memory: {}", std::strerror(errno)));
 }
 
@@ -177,7 +164,7 @@ void OutputFile::put(const void* buffer, std::size_t size) {
 }
 
 void OutputFile::expect(std::uint64_t bytes) const {
-  if (target_.empty() || has_room(descriptor_, bytes)) return;  // Memory has no folder.
+  if (target_.empty() || !lacks_room(descriptor_, bytes)) return;  // Memory has no folder.
   const std::string what = fmt::format("takes at least {:.3g} GiB, more than is free in {}", double(bytes) / 0x1p30,
                                        stream_ ? temporary_folder() : folder_of(target_));
   throw OutputError(shown(path_), what + (stream_ ? ": set TMPDIR to another folder" : ""));
@@ -214,11 +201,11 @@ void OutputFile::take_name() {
                                      ::fchown(descriptor_, uid_t(-1), before.st_gid) == 0);
   ::fchmod(descriptor_, there ? before.st_mode & (keeps_group ? 0777 : 0707) : 0666 & ~mask);
   if (temporary_.empty()) {
-    if (!there && link_as(descriptor_, target_)) return;
+    if (!there && name_nameless(descriptor_, target_)) return;
     for (int k = 0; temporary_.empty() && error_ == 0; ++k) {
       temporary_ = (fs::path(folder_of(target_)) / fmt::format(".envmap-{}-{}", ::getpid(), k)).string();
       remove_on_signal(temporary_.c_str());
-      if (link_as(descriptor_, temporary_)) break;
+      if (name_nameless(descriptor_, temporary_)) break;
       if (errno != EEXIST) error_ = errno;
       keep_on_signal(temporary_.c_str());
       temporary_.clear();

@@ -2,7 +2,6 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -17,6 +16,7 @@
 #include <iterator>
 
 #include "envmap/base/remove_on_signal.h"
+#include "envmap/base/system.h"
 #include "envmap/io/files/output_file.h"
 
 namespace envmap {
@@ -46,7 +46,7 @@ bool holds_only_files(const fs::path& folder) {
 void remove_if_stale(const fs::path& folder) {
   const int descriptor = open_folder(folder);
   std::error_code ignored;
-  if (descriptor >= 0 && ::flock(descriptor, LOCK_EX | LOCK_NB) == 0 && holds_only_files(folder))
+  if (descriptor >= 0 && lock_folder(descriptor, true) == Lock::taken && holds_only_files(folder))
     fs::remove_all(folder, ignored);
   if (descriptor >= 0) ::close(descriptor);
 }
@@ -54,7 +54,7 @@ void remove_if_stale(const fs::path& folder) {
 // Whether the folder is there and locked now, or its file system has no locks.
 bool is_locked(int descriptor, const fs::path& folder) {
   struct stat open = {}, named = {};
-  if (descriptor >= 0 && ::flock(descriptor, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK) return false;
+  if (descriptor >= 0 && lock_folder(descriptor, false) == Lock::busy) return false;
   if (::stat(folder.c_str(), &named) != 0) return false;
   return descriptor < 0 || ::fstat(descriptor, &open) != 0 || open.st_ino == named.st_ino;
 }
@@ -212,8 +212,7 @@ void OutputFolder::commit() {
 void OutputFolder::take_name() {
   struct stat there = {};
   const bool exchange = ::stat(target_.c_str(), &there) == 0;
-  const unsigned flags = exchange ? RENAME_EXCHANGE : RENAME_NOREPLACE;
-  if (::renameat2(AT_FDCWD, hidden_.c_str(), AT_FDCWD, target_.c_str(), flags) == 0) {
+  if (rename_at_once(hidden_, target_, exchange)) {
     if (!exchange) hidden_.clear();  // Else it now has what was there before, and goes.
     return;
   }

@@ -5,7 +5,7 @@
 #include <filesystem>
 
 #include "envmap/base/error.h"
-#include "envmap/base/own_program.h"
+#include "envmap/base/system.h"
 
 namespace envmap {
 namespace {
@@ -30,6 +30,10 @@ const Formats& load() {
     if (place == name && folder.is_absolute() && fs::exists(folder / name, error)) place = folder / name;
   void* module = ::dlopen(place.c_str(), RTLD_LAZY | RTLD_LOCAL);
   if (void* table = module ? ::dlsym(module, "envmap_formats") : nullptr) return *static_cast<const Formats*>(table);
+  if (place == name)
+    throw InputError(
+        "this format needs envmap-formats.so, which is not there: install it with envmap, or unpack the archive "
+        "'-formats' over the folder of the portable envmap");
   throw InputError(std::string("cannot load envmap-formats.so, which reads and writes this format: ") + ::dlerror());
 }
 

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <map>
@@ -206,6 +207,14 @@ std::string remedy(ContextKind kind) {
   return "install Mesa with EGL and llvmpipe";
 }
 
+// Whether there is a card to draw with, or a driver that was installed for one. @param reason why none of them drew.
+bool is_worth_telling(const std::string& reason) {
+  std::error_code error;
+  if (reason.find("EGL finds no graphics card") == reason.npos)
+    return reason.find("libEGL.so.1: cannot open shared object file") == reason.npos;
+  return std::filesystem::exists("/dev/dri/renderD128", error) || std::filesystem::exists("/dev/nvidiactl", error);
+}
+
 std::string text_of(GLenum name) { return reinterpret_cast<const char*>(glGetString(name)); }
 
 }  // namespace
@@ -242,8 +251,11 @@ Context::Context(ContextKind kind) {
     renderer_ = fmt::format("{}, {}, OpenGL {}", through, name, text_of(GL_VERSION));
     return true;
   };
-  if (kind == ContextKind::automatic && opens("EGL", [] { return open_egl<Handle>(true); }) && !on_processor_) return;
-  reasons.clear();
+  if (kind == ContextKind::automatic) {
+    if (opens("EGL", [] { return open_egl<Handle>(true); }) && !on_processor_) return;
+    if (!reasons.empty() && is_worth_telling(reasons)) passed_over_ = reasons;
+    reasons.clear();
+  }
   if (kind != ContextKind::egl && opens("OSMesa", [] { return std::make_unique<OsMesaContext<Handle>>(); })) return;
   if (kind != ContextKind::osmesa && opens("EGL", [] { return open_egl<Handle>(false); })) return;
   throw RendererError(fmt::format("no context through {}: {}", reasons, remedy(kind)));

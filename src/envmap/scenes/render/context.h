@@ -25,6 +25,8 @@ class Context {
 
   /// The library, and what GL says of the renderer and its version.
   [[nodiscard]] const std::string& renderer() const { return renderer_; }
+  /// Why no graphics card draws, where `automatic` found one, or its driver. Empty if there is none.
+  [[nodiscard]] const std::string& passed_over() const { return passed_over_; }
   [[nodiscard]] bool on_processor() const { return on_processor_; }  ///< llvmpipe or softpipe.
 
   /// Takes GL's functions for this context again, if another one's were loaded meanwhile.
@@ -33,7 +35,7 @@ class Context {
  private:
   struct Handle;
   std::unique_ptr<Handle> handle_;
-  std::string renderer_;
+  std::string renderer_, passed_over_;
   bool on_processor_ = true;
 };
 
