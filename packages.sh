@@ -35,7 +35,7 @@ case ${1:-} in
 esac
 
 if ! command -v apt-get >/dev/null || ! command -v dpkg-query >/dev/null; then
-  sed -n '/^| needed/,/^$/p' "$(dirname "$0")/README.md" >&2
+  sed -n '/^| needed/,/^$/p' "$(dirname "$0")/docs/systems.md" >&2
   fail 'no apt-get here: install what the table lists, then build with: cmake --preset release && cmake --build --preset release'
 fi
 
