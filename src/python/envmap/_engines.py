@@ -78,8 +78,9 @@ def bake(map: AnyMap, engine: str, folder: Path, *, quality: Quality = "normal",
     >>> "README.txt" in files
     True
     """
-    return _envmap.bake(core_of(map), engine, folder, quality, size, chain_size, max_error, exposure, depth, clamp, force, suns,
-                        progress)  # type: ignore[no-any-return]
+    names: list[str] = _envmap.bake(core_of(map), engine, folder, quality, size, chain_size, max_error, exposure, depth, clamp, force,
+                                    suns, progress)
+    return names
 
 
 @public
