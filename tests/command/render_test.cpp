@@ -46,8 +46,8 @@ TEST_F(Render, AFileAPlace) {
 }
 
 TEST_F(Render, PlacesAndFramesTogether) {
-  succeeds({"render", "scene.obj", "m_{index}_{frame}.exr", "-q", "--size", "8", "--method", "raycast", "--frames",
-            "1:2", "--at", "0,0,0", "--at", "0,0.1,0"});
+  succeeds({"render", "scene.obj", "m_{index}_{frame}.exr", "-q", "--size", "8", "--method", "raycast", "--ambient",
+            "1", "--frames", "1:2", "--at", "0,0,0", "--at", "0,0.1,0"});
   EXPECT_EQ(names(),
             (std::vector<std::string>{"m_0_0001.exr", "m_0_0002.exr", "m_1_0001.exr", "m_1_0002.exr", "scene.obj"}));
 }
