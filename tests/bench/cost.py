@@ -23,7 +23,7 @@ JOBS = {
     'mipmap to KTX2': 'mipmap IN OUT.ktx2 --depth half',
     'sh, degree 2': 'sh IN',
     'preview': 'preview IN OUT.png',
-    'bake for three.js': 'bake IN OUT --for three',
+    'bake three --latlong': 'bake IN OUT --for three --latlong',
     'prefilter, diffuse 64': 'prefilter IN OUT.exr',
     'prefilter, 6 GGX of 256': 'prefilter IN OUT.exr --lobe ggx --size 256 --levels 6',
     'bake for Filament': 'bake IN OUT --for filament',

@@ -31,7 +31,7 @@ TEST_F(EngineOption, ConvertMakesTheEnvironmentThatBakeWrites) {
                         {"godot", "background.exr"},
                         {"pbrt", "background.exr"},
                         {"playcanvas", "background.hdr"},
-                        {"three", "background.exr"},
+                        {"three", "background.ktx2"},
                         {"unity", "background.exr"},
                         {"unreal", "background.hdr"},
                         {"usd", "background.exr"}}) {

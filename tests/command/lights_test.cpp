@@ -91,7 +91,9 @@ TEST_F(Lights, LeaveTheMapsOfABakeAndStandBesideThem) {
     EXPECT_EQ(said["suns"].size(), 1);
     EXPECT_NE(read(engine + "/" + file).find(word), std::string::npos);
     EXPECT_NE(read(engine + "/README.txt").find("Suns: " + file), std::string::npos);
-    const std::string map = engine == "unreal" ? "background.hdr" : "background.exr";
+    const std::string map = engine == "unreal"  ? "background.hdr"
+                            : engine == "three" ? "background.ktx2"
+                                                : "background.exr";
     EXPECT_LT(report({"info", engine + "/" + map})["maximum"][0].get<double>(), 1.2);
     EXPECT_EQ(report({"bake", "sun.exr", engine, "--for", engine, "--suns", "-q"})["suns"].size(), 1);  // Replaces it.
   }
