@@ -41,8 +41,8 @@ inline constexpr int most_points = 12;
 /// it.
 int points_for(double steep, double error);
 
-/// The least power of 1 - t: roughness 0.35. Below it the lobe is not smooth enough in its middle for blocks: lone lights
-/// of a cube of 32 were off by 24 times an error of 1e-4 at roughness 0.42.
+/// The least power of 1 - t: roughness 0.35. Below it the lobe is not smooth enough in its middle for blocks: at
+/// roughness 0.42 lone lights of a cube of 32 were off by 24 times an error of 1e-4.
 inline constexpr double least_sheen_power = 4;
 
 /// @return nothing for other lobes, for wider sheen, and for errors below 1e-4.
