@@ -38,7 +38,9 @@ TEST_F(EngineOption, ConvertMakesTheEnvironmentThatBakeWrites) {
     SCOPED_TRACE(f.engine);
     succeeds({"bake", "probe.exr", f.engine, "--for", f.engine, "--chain-size", "16", "--quality", "draft", "--size",
               "16", "-q"});
-    succeeds({"convert", "probe.exr", out_of(f), "--size", "16", "--for", f.engine, "-q"});
+    std::vector<std::string> convert{"convert", "probe.exr", out_of(f), "--size", "16", "--for", f.engine, "-q"};
+    if (f.engine == "three") convert.emplace_back("--zstd");
+    succeeds(convert);
     EXPECT_TRUE(read(f.engine + "/" + f.name) == read(out_of(f)));
   }
 }

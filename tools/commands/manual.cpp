@@ -95,7 +95,7 @@ std::string table_lines(const std::string& text) {
   std::vector<std::size_t> widths(rows.front().size());
   for (const auto& row : rows)
     for (std::size_t k = 0; k < widths.size(); ++k) widths[k] = std::max(widths[k], row.at(k).size());
-  constexpr std::size_t wide = 32;
+  constexpr std::size_t wide = 31;
   std::string titles, formats, lines;
   for (const std::size_t width : widths) titles += "lB ", formats += width > wide ? "lx " : "l ";
   for (std::size_t r = 0; r < rows.size(); ++r)

@@ -2,9 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <iterator>
-
 #include "envmap/base/error.h"
 #include "envmap/base/part_progress.h"
 #include "envmap/base/run_operation.h"
@@ -149,22 +146,6 @@ std::vector<std::string> files_of(const Engine& engine, const BakeOptions& optio
   return files;
 }
 
-namespace {
-
-// All files that a folder of an engine may hold, with suns and without, as a panorama and not: they may be replaced.
-std::vector<std::string> replaceable_files(const Engine& engine) {
-  std::vector<std::string> files = files_of(engine);
-  files.push_back(suns_file_name(engine));
-  constexpr std::string_view suffix = "-latlong";
-  const Engine* const other = engine.name.ends_with(suffix)
-                                  ? find_engine(engine.name.substr(0, engine.name.size() - suffix.size()))
-                                  : find_latlong(engine);
-  if (other != nullptr) std::ranges::copy(files_of(*other), std::back_inserter(files));
-  return files;
-}
-
-}  // namespace
-
 std::vector<BakedFile> bake(EnvironmentMap probe, const Engine& engine, const std::string& folder,
                             const BakeOptions& asked, const Run& run) {
   if (asked.size) check_range(limits::size, *asked.size);
@@ -183,7 +164,7 @@ std::vector<BakedFile> bake(EnvironmentMap probe, const Engine& engine, const st
   }
   expose(probe, options.exposure, options.write.provenance);
   return run_operation(run, [&](const Progress& progress) {
-    OutputFolder out(folder, replaceable_files(engine), options.write.commit);
+    OutputFolder out(folder, files_of(engine, options), options.write.commit);
     Baker baker(probe, options);
     std::vector<BakedFile> baked;
     const double share = 1 / double(engine.maps.size());
