@@ -23,7 +23,8 @@ configure -DENVMAP_SCENES=ON -DENVMAP_OPENIMAGEIO=OFF
 configure -DENVMAP_SCENES=OFF -DENVMAP_OPENIMAGEIO=OFF -DENVMAP_PYTHON=OFF -DENVMAP_BENCH=OFF
 cmake --build "$build" --target envmap envmap_shared library_tests
 mv "$build/envmap-formats.so" "$build/aside.so"
-ctest --test-dir "$build" -L library -j "$(nproc)" --output-on-failure --no-tests=error --output-junit "$build/without_parts.xml"
+# TIFF files are written by the module.
+ctest --test-dir "$build" -L library -E 'HasTheBytesOfAFile/tif' -j "$(nproc)" --output-on-failure --no-tests=error --output-junit "$build/without_parts.xml"
 rm -rf "$build/without_parts"
 cmake --install "$build" --prefix "$build/without_parts" >/dev/null
 for path in bin lib/envmap include/envmap/scenes.h share/bash-completion; do
