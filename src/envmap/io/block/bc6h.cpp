@@ -5,7 +5,7 @@
 
 #include "envmap/io/block/bc6h_block.h"
 #include "envmap/io/block/bc6h_fit.h"
-#include "envmap/io/block/wanted.h"
+#include "envmap/io/block/weighted_halves.h"
 #include "envmap/io/texels/texels.h"
 
 namespace envmap {
@@ -30,7 +30,7 @@ Block block_of(const Found& found, std::size_t lane) {
 
 void encode_bc6h(std::span<const Colour> from, std::size_t width, bool top, bool bottom, std::span<std::byte> to) {
   const block::Strip strip(from, width, top, bottom);
-  Wanted wanted{};
+  WeightedHalves wanted{};
   Found found;
   const std::size_t blocks = to.size() / block_bytes;
   for (std::size_t first = 0; first < blocks; first += batch) {

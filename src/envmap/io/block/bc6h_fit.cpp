@@ -123,8 +123,7 @@ Trial<n> round_of(const Texels& t, const Regions& regions, Line* lines) {
       way[r][c] = hn::Sub(x[1], x[0]);
     }
     inverse[r] = ratio(number(last), dot(way[r], way[r]));
-    sums[r].aa = sums[r].ab = sums[r].bb = hn::Zero(d);
-    for (int c = 0; c < 3; ++c) sums[r].ax[c] = sums[r].bx[c] = hn::Zero(d);
+    sums[r] = no_squares();
   }
   for (int k = 0; k < block_texels; ++k) {
     V from[3], along[3], first[3], scale = inverse[0];
@@ -145,13 +144,7 @@ Trial<n> round_of(const Texels& t, const Regions& regions, Line* lines) {
       trial.error = hn::Add(trial.error, hn::Mul(t.weight[k], hn::Mul(off, off)));
     }
     trial.indices[k] = index;
-    const V part = hn::Mul(weight, number(1.0 / 64));
-    if constexpr (n == 4) {
-      add(sums[0], hn::IfThenZeroElse(regions.second[k], t.weight[k]), part, t.at[k]);
-      add(sums[1], hn::IfThenElseZero(regions.second[k], t.weight[k]), part, t.at[k]);
-    } else {
-      add(sums[0], t.weight[k], part, t.at[k]);
-    }
+    add(sums, t, regions, k, hn::Mul(weight, number(1.0 / 64)));
   }
   for (int r = 0; r < n / 2; ++r) improve(lines[r], sums[r]);
   return trial;
@@ -178,7 +171,7 @@ void attempt(const Texels& t, const Regions& regions, Best& best) {
   }
 }
 
-void Fit(const Wanted& wanted, Found& found) {
+void Fit(const WeightedHalves& wanted, Found& found) {
   const D d;
   for (std::size_t lane = 0; lane < batch; lane += hn::Lanes(d)) {
     // The middle of those that become a half, x 31 / 64 and rounded down.
@@ -212,7 +205,7 @@ namespace envmap::bc6h {
 
 HWY_EXPORT(Fit);
 
-void fit(const Wanted& wanted, Found& found) { HWY_DYNAMIC_DISPATCH(Fit)(wanted, found); }
+void fit(const WeightedHalves& wanted, Found& found) { HWY_DYNAMIC_DISPATCH(Fit)(wanted, found); }
 
 }  // namespace envmap::bc6h
 #endif  // HWY_ONCE

@@ -5,11 +5,11 @@
 #include <array>
 
 #include "envmap/io/block/bc6h_block.h"
-#include "envmap/io/block/wanted.h"
+#include "envmap/io/block/weighted_halves.h"
 
 namespace envmap::bc6h {
 
-using block::batch, block::Lanes, block::Wanted;
+using block::batch, block::Lanes, block::WeightedHalves;
 
 /// Whole numbers, as Block has them; of blocks with one region there are two endpoints, and the partition is 0.
 struct alignas(64) Found {
@@ -18,6 +18,6 @@ struct alignas(64) Found {
   std::array<Lanes<float>, block_texels> indices;
 };
 
-void fit(const Wanted& wanted, Found& found);
+void fit(const WeightedHalves& wanted, Found& found);
 
 }  // namespace envmap::bc6h

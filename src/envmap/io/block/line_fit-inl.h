@@ -19,7 +19,7 @@
 #include <span>
 
 #include "envmap/io/block/texel_block.h"
-#include "envmap/io/block/wanted.h"
+#include "envmap/io/block/weighted_halves.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace envmap::block {
@@ -47,7 +47,7 @@ struct Texels {
 
 // @param place where the texels that become a half lie in the 16 bits of a format's endpoints: the middle of them.
 template <class Place>
-Texels load(const Wanted& wanted, std::size_t lane, Place place) {
+Texels load(const WeightedHalves& wanted, std::size_t lane, Place place) {
   const D d;
   Texels t;
   V all = hn::Zero(d);
@@ -205,6 +205,22 @@ HWY_INLINE void add(Squares& sums, V weight, V s, const V* x) {
   for (int c = 0; c < 3; ++c) {
     sums.ax[c] = hn::Add(sums.ax[c], hn::Mul(wr, x[c]));
     sums.bx[c] = hn::Add(sums.bx[c], hn::Mul(ws, x[c]));
+  }
+}
+
+HWY_INLINE Squares no_squares() {
+  const V zero = hn::Zero(D());
+  return {zero, zero, zero, {zero, zero, zero}, {zero, zero, zero}};
+}
+
+// Adds texel k to the sums of its region. @param s the second endpoint's part of it.
+template <int regions>
+HWY_INLINE void add(Squares (&sums)[regions], const Texels& t, const Regions& where, int k, V s) {
+  if constexpr (regions == 2) {
+    add(sums[0], hn::IfThenZeroElse(where.second[k], t.weight[k]), s, t.at[k]);
+    add(sums[1], hn::IfThenElseZero(where.second[k], t.weight[k]), s, t.at[k]);
+  } else {
+    add(sums[0], t.weight[k], s, t.at[k]);
   }
 }
 

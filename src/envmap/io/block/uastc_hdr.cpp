@@ -6,7 +6,7 @@
 #include "envmap/base/error.h"
 #include "envmap/io/block/uastc_hdr_block.h"
 #include "envmap/io/block/uastc_hdr_fit.h"
-#include "envmap/io/block/wanted.h"
+#include "envmap/io/block/weighted_halves.h"
 #include "envmap/io/texels/texels.h"
 
 namespace envmap {
@@ -15,7 +15,7 @@ namespace {
 using namespace uastc_hdr;
 
 // The one colour of a lane's texels, which a block holds exactly.
-bool is_one_colour(const block::Wanted& wanted, std::size_t lane, Block& block) {
+bool is_one_colour(const block::WeightedHalves& wanted, std::size_t lane, Block& block) {
   for (std::size_t c = 0; c < 3; ++c) {
     const auto& halves = wanted.halves[c];
     for (const auto& texel : halves)
@@ -51,7 +51,7 @@ void transcode_to_bc6h(std::span<std::byte> blocks) {
 
 void encode_uastc_hdr(std::span<const Colour> from, std::size_t width, bool top, bool bottom, std::span<std::byte> to) {
   const block::Strip strip(from, width, top, bottom);
-  block::Wanted wanted{};
+  block::WeightedHalves wanted{};
   Found found;
   const std::size_t blocks = to.size() / block_bytes;
   for (std::size_t first = 0; first < blocks; first += block::batch) {

@@ -214,8 +214,7 @@ void round_of(const Texels& t, const Regions& where, Line* lines, int number_of_
   Squares sums[regions];
   for (int r = 0; r < regions; ++r) {
     inverse[r][0] = hn::Div(last, hn::Max(dot(logs.way[r], logs.way[r]), number(1e-20)));
-    sums[r].aa = sums[r].ab = sums[r].bb = hn::Zero(d);
-    for (int c = 0; c < 3; ++c) sums[r].ax[c] = sums[r].bx[c] = hn::Zero(d);
+    sums[r] = no_squares();
   }
   V error = hn::Zero(d), indices[block_texels];
   for (int k = 0; k < block_texels; ++k) {
@@ -240,13 +239,7 @@ void round_of(const Texels& t, const Regions& where, Line* lines, int number_of_
       error = hn::Add(error, hn::Mul(t.weight[k], hn::Add(hn::Mul(astc, astc), hn::Mul(other, other))));
     }
     indices[k] = index;
-    const V part = hn::Mul(astc_weight, number(1.0 / 64));
-    if constexpr (regions == 2) {
-      add(sums[0], hn::IfThenZeroElse(where.second[k], t.weight[k]), part, t.at[k]);
-      add(sums[1], hn::IfThenElseZero(where.second[k], t.weight[k]), part, t.at[k]);
-    } else {
-      add(sums[0], t.weight[k], part, t.at[k]);
-    }
+    add(sums, t, where, k, hn::Mul(astc_weight, number(1.0 / 64)));
   }
   keep<regions>(number_of_mode, where, error, indices, stored, first, found);
   for (int r = 0; r < regions; ++r) improve<slope>(lines[r], sums[r]);
@@ -268,7 +261,7 @@ void attempt_divided(const Texels& t, std::span<const int> some, std::size_t fir
   for (const V partition : ranked) attempt<slope, 2>(t, regions_of(partition), some, first, found);
 }
 
-void Fit(const block::Wanted& wanted, Found& found) {
+void Fit(const block::WeightedHalves& wanted, Found& found) {
   const D d;
   found.error.fill(1e30F);
   for (std::size_t lane = 0; lane < batch; lane += hn::Lanes(d)) {
@@ -289,7 +282,7 @@ namespace envmap::uastc_hdr {
 
 HWY_EXPORT(Fit);
 
-void fit(const block::Wanted& wanted, Found& found) { HWY_DYNAMIC_DISPATCH(Fit)(wanted, found); }
+void fit(const block::WeightedHalves& wanted, Found& found) { HWY_DYNAMIC_DISPATCH(Fit)(wanted, found); }
 
 }  // namespace envmap::uastc_hdr
 #endif  // HWY_ONCE

@@ -6,7 +6,7 @@
 #include <array>
 
 #include "envmap/io/block/uastc_hdr_block.h"
-#include "envmap/io/block/wanted.h"
+#include "envmap/io/block/weighted_halves.h"
 
 namespace envmap::uastc_hdr {
 
@@ -15,6 +15,6 @@ struct alignas(64) Found {
   std::array<Block, block::batch> blocks;
 };
 
-void fit(const block::Wanted& wanted, Found& found);
+void fit(const block::WeightedHalves& wanted, Found& found);
 
 }  // namespace envmap::uastc_hdr

@@ -19,7 +19,7 @@ inline constexpr std::size_t batch = 16;
 template <class T>
 using Lanes = std::array<T, batch>;
 
-struct alignas(64) Wanted {
+struct alignas(64) WeightedHalves {
   std::array<std::array<Lanes<float>, block_texels>, 3> halves;  ///< Of red, green, blue: bits of halves, 0 to 0x7bff.
   std::array<Lanes<float>, block_texels> weights;                ///< 0: whatever comes out.
 };
@@ -31,7 +31,7 @@ class Strip {
   Strip(std::span<const Colour> from, std::size_t width, bool top, bool bottom);
 
   /// Block `at` into a lane. Texels beyond the image are its last ones, and count for nothing.
-  void put(std::size_t at, std::size_t lane, Wanted& wanted) const;
+  void put(std::size_t at, std::size_t lane, WeightedHalves& wanted) const;
 
  private:
   [[nodiscard]] bool on_border(std::size_t x, std::size_t y) const;

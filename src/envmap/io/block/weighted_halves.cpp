@@ -1,4 +1,4 @@
-#include "envmap/io/block/wanted.h"
+#include "envmap/io/block/weighted_halves.h"
 
 #include <algorithm>
 
@@ -22,7 +22,7 @@ constexpr float least_weight = 0x1p-10;
 constexpr std::uint16_t too_dark = 10 << 10;
 
 // Raises those channels towards what their neighbours have, which leaves one that is black in the whole block as it is.
-void raise_dark(std::size_t lane, Wanted& wanted) {
+void raise_dark(std::size_t lane, WeightedHalves& wanted) {
   std::array<float, 3> most{};
   for (std::size_t c = 0; c < 3; ++c)
     for (std::size_t k = 0; k < block_texels; ++k) most[c] = std::max(most[c], wanted.halves[c][k][lane]);
@@ -46,7 +46,7 @@ bool Strip::on_border(std::size_t x, std::size_t y) const {
   return x == 0 || x + 1 == width_ || (top_ && y == 0) || (bottom_ && y + 1 == rows_);
 }
 
-void Strip::put(std::size_t at, std::size_t lane, Wanted& wanted) const {
+void Strip::put(std::size_t at, std::size_t lane, WeightedHalves& wanted) const {
   std::array<float, block_texels> light;
   for (std::size_t k = 0; k < block_texels; ++k) {
     const std::size_t i = side * at + k % side, j = k / side;
