@@ -31,7 +31,7 @@ std::string readme_text(const Engine& e, const std::vector<BakedFile>& maps, dou
   return text + fmt::format("Orientation: {}\nRough and diffuse light: {}.\n\n{}\n", turns_of(e), e.light, e.steps);
 }
 
-// What the maps leave out, and how it comes back.
+// The part of README.txt on the suns: which file brings them, in which unit, and how exact that is.
 std::string suns_text(const Engine& e, const FoundLights& suns, const LightError& error) {
   std::string text =
       fmt::format("Suns: {} brings {}, which the maps leave out. {}\n", suns_file_name(e),
@@ -48,7 +48,7 @@ std::string suns_text(const Engine& e, const FoundLights& suns, const LightError
                     100 * error.irradiance, 100 * error.ggx);
 }
 
-// As bright as the maps.
+// Lights get the exposure that the maps get.
 void expose(FoundLights& suns, double gain) {
   for (DiscLight& light : suns.lights)
     for (Flux* const value : {&light.flux, &light.radiance, &light.irradiance, &light.spread}) *value *= gain;
@@ -156,14 +156,14 @@ std::vector<BakedFile> bake(EnvironmentMap probe, const Engine& engine, const st
   check_engine(engine);
   check_depth(engine, asked);
   BakeOptions options = asked;
-  LightError error;
-  if (options.suns) {
-    error = light_error(probe, *options.suns);
-    take_out(probe, *options.suns);
-    expose(*options.suns, portable::exp2(options.exposure));
-  }
-  expose(probe, options.exposure, options.write.provenance);
   return run_operation(run, [&](const Progress& progress) {
+    LightError error;
+    if (options.suns) {
+      error = light_error(probe, *options.suns);
+      take_out(probe, *options.suns);
+      expose(*options.suns, portable::exp2(options.exposure));
+    }
+    expose(probe, options.exposure, options.write.provenance);
     OutputFolder out(folder, files_of(engine, options), options.write.commit);
     Baker baker(probe, options);
     std::vector<BakedFile> baked;

@@ -55,7 +55,7 @@ constexpr std::string_view sun_of_script =
 // ---- scripts --------------------------------------------------------------------------------------------------------
 
 std::string three_text(const Engine& engine, std::span<const DiscLight> lights) {
-  return "// The suns of the probe as lights; background.exr holds the rest.\nimport * as THREE from 'three';\n\n"
+  return "// The suns of the probe as lights; the maps hold the rest.\nimport * as THREE from 'three';\n\n"
          "// towards: where the sun is. intensity: DirectionalLight.intensity, lux. diameter: degrees.\n"
          "export const suns = [\n" +
          list_of(lights, engine.axes, sun_of_script) +
@@ -118,7 +118,7 @@ std::string usd_text(const Engine& engine, std::span<const DiscLight> lights) {
 }
 
 // light_color is encoded: the engine decodes it.
-std::string godot_text(std::span<const DiscLight> lights) {
+std::string godot_text(const Engine&, std::span<const DiscLight> lights) {
   std::string text = "[gd_scene format=3]\n\n[node name=\"Suns\" type=\"Node3D\"]\n";
   int number = 0;
   for (const DiscLight& light : lights) {
@@ -151,49 +151,54 @@ std::string table_text(const Engine& engine, std::span<const DiscLight> lights) 
 
 // ---- the engines ----------------------------------------------------------------------------------------------------
 
+std::string gltf_text(const Engine&, std::span<const DiscLight> lights) { return gltf_lights(lights); }
+
 struct SunsOf {
-  std::string_view engine, file, unit;
+  std::string_view engine, file;
+  std::string (*text)(const Engine&, std::span<const DiscLight>);
+  std::string_view unit;
 };
 
-// Where the unit of each is said. An engine without a row has the last.
+// packages/dev/core/src/Lights/light.ts, _getPhotometricScale(): directional lights are in lux, factor 1.
+constexpr std::string_view unit_of_babylon =
+    "addSuns(BABYLON, scene) of suns.js adds them. DirectionalLight.intensity is in lux (Lights/light.ts, "
+    "_getPhotometricScale).";
+
+// Each row names the source of its unit. An engine without a row has the last.
 constexpr SunsOf suns_rows[] = {
-    // packages/dev/core/src/Lights/light.ts, _getPhotometricScale(): directional lights are in lux, factor 1.
-    {"babylon", "suns.js",
-     "addSuns(BABYLON, scene) of suns.js adds them. DirectionalLight.intensity is in lux (Lights/light.ts, "
-     "_getPhotometricScale)."},
-    {"babylon-env", "suns.js",
-     "addSuns(BABYLON, scene) of suns.js adds them. DirectionalLight.intensity is in lux (Lights/light.ts, "
-     "_getPhotometricScale)."},
-    {"bevy", "suns.txt",
+    {"babylon", "suns.js", babylon_text, unit_of_babylon},
+    {"babylon-env", "suns.js", babylon_text, unit_of_babylon},
+    {"bevy", "suns.txt", table_text,
      "DirectionalLight.illuminance is in lux (docs.rs/bevy, DirectionalLight); EnvironmentMapLight.intensity "
      "multiplies "
      "the maps: multiply the illuminance by it, too."},
-    {"blender", "world.py",
+    {"blender", "world.py", blender_text,
      "The strength of a sun lamp is its irradiance in W/m^2, and radiance 1 of the world is 1 W/(m^2 sr) (manual, "
      "Lights, Power of Lights)."},
-    {"filament", "suns.txt",
+    {"filament", "suns.txt", table_text,
      "LightManager::Builder(SUN): intensity() is in lux, sunAngularRadius() half of the diameter in degrees "
      "(LightManager.h); IndirectLight's intensity multiplies the maps: multiply the sun's by it, too."},
-    {"gltf", "suns.gltf", "The intensity of directional lights is in lux (KHR_lights_punctual), the map in cd/m^2."},
+    {"gltf", "suns.gltf", gltf_text,
+     "The intensity of directional lights is in lux (KHR_lights_punctual), the map in cd/m^2."},
     // servers/rendering/renderer_rd/storage_rd/light_storage.cpp: energy is multiplied by pi, the colour decoded.
-    {"godot", "suns.tscn",
+    {"godot", "suns.tscn", godot_text,
      "Add suns.tscn to the scene. light_energy times pi is the irradiance where physical light units are off "
      "(light_storage.cpp)."},
-    {"three", "suns.js",
+    {"three", "suns.js", three_text,
      "import { addSuns } from './suns.js', then addSuns(scene). DirectionalLight.intensity is in lux (three.js docs), "
      "radiance of the map in cd/m^2."},
-    {"unity", "suns.txt",
+    {"unity", "suns.txt", table_text,
      "HDRP: Intensity is in lux, Angular Diameter in degrees (manual, Light component); the sky's multiplier "
      "multiplies "
      "the map: multiply the intensity by it, too. Built-in pipeline and URP: intensity / pi."},
-    {"unreal", "suns.txt",
+    {"unreal", "suns.txt", table_text,
      "Directional Light: Intensity is in lux, Source Angle the diameter in degrees (documentation, Physical Lighting "
      "Units); the Sky Light's Intensity Scale multiplies the map: multiply the intensity by it, too."},
     // UsdLux, DistantLight: "if normalize is true, intensity is the illuminance"; sizeFactor = pi sin^2(angle / 2).
-    {"usd", "light.usda",
+    {"usd", "light.usda", usd_text,
      "DistantLight with inputs:normalize has its irradiance as inputs:intensity, and inputs:angle is its diameter in "
      "degrees (openusd.org, UsdLuxDistantLight)."},
-    {"", "suns.txt", "The unit is that of the maps: with radiance in cd/m^2, lux."},
+    {"", "suns.txt", table_text, "The unit is that of the maps: with radiance in cd/m^2, lux."},
 };
 
 const SunsOf& row_of(const Engine& engine) {
@@ -232,15 +237,8 @@ std::string suns_file_name(const Engine& engine) { return std::string(row_of(eng
 std::string_view suns_unit(const Engine& engine) { return row_of(engine).unit; }
 
 NamedText suns_file(const Engine& engine, std::span<const DiscLight> lights) {
-  const std::string_view file = row_of(engine).file;
-  std::string text = file == "world.py"       ? blender_text(engine, lights)
-                     : file == "light.usda"   ? usd_text(engine, lights)
-                     : file == "suns.gltf"    ? gltf_lights(lights)
-                     : file == "suns.tscn"    ? godot_text(lights)
-                     : engine.name == "three" ? three_text(engine, lights)
-                     : file == "suns.js"      ? babylon_text(engine, lights)
-                                              : table_text(engine, lights);
-  return {std::string(file), std::move(text)};
+  const SunsOf& row = row_of(engine);
+  return {std::string(row.file), row.text(engine, lights)};
 }
 
 }  // namespace envmap

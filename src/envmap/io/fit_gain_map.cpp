@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "envmap/base/error.h"
@@ -79,9 +80,9 @@ class Fit {
     std::uint64_t least = std::numeric_limits<std::uint64_t>::max();
     int worse = 0;  // Pictures in a row that made it no better.
     for (const int quality : all_pictures) {
-      const std::string jpeg = encode_jpeg({light_.width, light_.height, 3, picture_}, quality);
+      std::string jpeg = encode_jpeg({light_.width, light_.height, 3, picture_}, quality);
       if (jpeg.size() >= most && quality != worst_picture) continue;
-      const Picture picture = encoded(quality);
+      const Picture picture = decoded(quality, std::move(jpeg));
       bool better = false;
       for (Found& found : each<Found>(kinds, [&](const Kind& kind) { return with_bytes(picture, kind, most); })) {
         least = std::min<std::uint64_t>(least, found.least);
@@ -139,10 +140,12 @@ class Fit {
     return true;
   }
 
+  [[nodiscard]] static Picture decoded(int quality, std::string jpeg) {
+    std::vector<unsigned char> texels = decode_jpeg(jpeg);
+    return {quality, std::move(jpeg), std::move(texels)};
+  }
   [[nodiscard]] Picture encoded(int quality) const {
-    Picture p{quality, encode_jpeg({light_.width, light_.height, 3, picture_}, quality), {}};
-    p.texels = decode_jpeg(p.jpeg);
-    return p;
+    return decoded(quality, encode_jpeg({light_.width, light_.height, 3, picture_}, quality));
   }
 
   [[nodiscard]] GainMap gains(const Picture& picture, const Kind& kind) const {

@@ -37,10 +37,9 @@ std::uint64_t number_at(const InputFile& file, std::uint64_t at, std::size_t siz
 
 std::vector<std::string> packets_of_jpeg(const InputFile& file) {
   constexpr unsigned app1 = 0xe1;
-  constexpr std::string_view mark("http://ns.adobe.com/xap/1.0/\0", 29);
   std::vector<std::string> found;
   for (const JpegSegment& s : jpeg_segments(file, 0))
-    if (s.marker == app1 && s.text.starts_with(mark)) found.push_back(s.text.substr(mark.size()));
+    if (s.marker == app1 && s.text.starts_with(jpeg_xmp_mark)) found.push_back(s.text.substr(jpeg_xmp_mark.size()));
   return found;
 }
 

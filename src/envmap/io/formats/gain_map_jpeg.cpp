@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "envmap/io/formats/jpeg_encoder.h"
+#include "envmap/io/formats/jpeg_parts.h"
 
 namespace envmap {
 namespace {
@@ -59,7 +60,7 @@ std::string escaped(const std::string& text) {
 
 std::string xmp_segment(const std::string& attributes, const std::string& elements) {
   return jpeg_segment(
-      app1, std::string("http://ns.adobe.com/xap/1.0/\0", 29) +
+      app1, std::string(jpeg_xmp_mark) +
                 fmt::format("<x:xmpmeta xmlns:x=\"adobe:ns:meta/\">\n"
                             "<rdf:RDF xmlns:rdf=\"http://www.w3.org/1999/02/22-rdf-syntax-ns#\">\n"
                             "<rdf:Description rdf:about=\"\" xmlns:hdrgm=\"http://ns.adobe.com/hdr-gain-map/1.0/\" "

@@ -117,7 +117,7 @@ struct Header {
 };
 
 constexpr int exif_and_xmp = JPEG_APP0 + 1, photoshop = JPEG_APP0 + 13;
-constexpr std::string_view exif_mark("Exif\0\0", 6), xmp_mark("http://ns.adobe.com/xap/1.0/\0", 29);
+constexpr std::string_view exif_mark("Exif\0\0", 6);
 
 Header read_header(JpegFile& file) {
   Header h;
@@ -144,7 +144,7 @@ bool read_segment(const JpegSegment& segment, ImageFacts& facts) {
     const auto* bytes = reinterpret_cast<const unsigned char*>(text.data());
     read_exif(std::span(bytes, text.size()).subspan(exif_mark.size()), facts);
   }
-  if (kind == exif_and_xmp && text.starts_with(xmp_mark)) return !tells_facts(text);
+  if (kind == exif_and_xmp && text.starts_with(jpeg_xmp_mark)) return !tells_facts(text);
   // IPTC's records 2:120 and 2:116 (IIM 4.2, section 6).
   if (kind == photoshop) return !has_new(description, "\x1c\x02\x78") && !has_new(copyright, "\x1c\x02\x74");
   if (kind == JPEG_COM) facts.attributes.emplace(description, text.substr(0, text.find('\0')));

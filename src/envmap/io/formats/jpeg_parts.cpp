@@ -12,8 +12,8 @@ namespace envmap {
 namespace {
 
 constexpr unsigned app1 = 0xe1, app2 = 0xe2;
-constexpr std::string_view xmp_mark("http://ns.adobe.com/xap/1.0/\0", 29), icc_mark("ICC_PROFILE\0", 12),
-    mpf_mark("MPF\0", 4), iso_mark("urn:iso:std:iso:ts:21496:-1\0", 28);
+constexpr std::string_view icc_mark("ICC_PROFILE\0", 12), mpf_mark("MPF\0", 4),
+    iso_mark("urn:iso:std:iso:ts:21496:-1\0", 28);
 
 std::span<const unsigned char> bytes_of(std::string_view text) {
   return {reinterpret_cast<const unsigned char*>(text.data()), text.size()};
@@ -109,8 +109,8 @@ std::vector<JpegSegment> jpeg_segments(const InputFile& file, std::uint64_t at) 
 }
 
 std::vector<XmpNode> xmp_of(const std::vector<JpegSegment>& segments) {
-  const JpegSegment* xmp = find(segments, app1, xmp_mark);
-  return xmp ? parse_xmp(std::string_view(xmp->text).substr(xmp_mark.size())) : std::vector<XmpNode>();
+  const JpegSegment* xmp = find(segments, app1, jpeg_xmp_mark);
+  return xmp ? parse_xmp(std::string_view(xmp->text).substr(jpeg_xmp_mark.size())) : std::vector<XmpNode>();
 }
 
 std::string icc_profile_of(const std::vector<JpegSegment>& segments) {
@@ -136,7 +136,7 @@ std::string icc_profile_of(const std::vector<JpegSegment>& segments) {
 }
 
 std::optional<FoundGainMap> find_gain_map(const InputFile& file, const std::vector<JpegSegment>& segments) {
-  const JpegSegment *mpf = find(segments, app2, mpf_mark), *xmp_segment = find(segments, app1, xmp_mark);
+  const JpegSegment *mpf = find(segments, app2, mpf_mark), *xmp_segment = find(segments, app1, jpeg_xmp_mark);
   const bool by_iso = find(segments, app2, iso_mark) != nullptr;
   const bool may_be_xmp = xmp_segment && xmp_segment->text.find("hdr-gain-map") != std::string::npos;
   if (!mpf && !by_iso && !may_be_xmp) return std::nullopt;

@@ -21,6 +21,9 @@ struct JpegSegment {
   std::string text;
 };
 
+/// The start of an XMP packet's segment, an APP1.
+inline constexpr std::string_view jpeg_xmp_mark("http://ns.adobe.com/xap/1.0/\0", 29);
+
 /// Those of the image that begins at `at`, up to its texels; none where there is no JPEG image.
 std::vector<JpegSegment> jpeg_segments(const InputFile& file, std::uint64_t at);
 
