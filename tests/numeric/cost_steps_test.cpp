@@ -32,8 +32,7 @@ std::array<int, 4> kind_of(const Choice& choice, const Level& source) {
   const auto* plan = std::get_if<MultilevelPlan>(&choice.plan);
   if (plan == nullptr) return {int(choice.method), -1, -1, -1};
   const bool by_points = plan->near_field && source.projection() == Projection::latlong &&
-                         fall_over(*plan->near_field, pi / source.height()) >
-                             most_panels * double(plan->near_field->max_variation);
+                         variation_over(*plan->near_field, pi / source.height()) > most_panels;
   return {int(choice.method), int(plan->near_field.has_value()), int(plan->has_horizon_terms()), int(by_points)};
 }
 

@@ -7,6 +7,7 @@
 #include "envmap/engine/suns.h"
 #include "envmap/io/formats/file_format.h"
 #include "envmap/light/distant_lights.h"
+#include "envmap/maths/luminance.h"
 #include "maps/map_facts.h"
 #include "maps/map_options.h"
 #include "maps/read_and_write_maps.h"
@@ -25,8 +26,6 @@ struct LightsRequest {
   std::optional<int> count;
 };
 
-double luminance(const Flux& f) { return 0.2126 * f.x + 0.7152 * f.y + 0.0722 * f.z; }
-
 // Lights without a size by median cut, as lights that other functions take.
 FoundLights by_median_cut(const EnvironmentMap& map, int count) {
   FoundLights found;
@@ -35,9 +34,9 @@ FoundLights by_median_cut(const EnvironmentMap& map, int count) {
     DiscLight& one = found.lights.emplace_back();
     one.towards = light.from;
     one.flux = one.irradiance = Flux(light.irradiance);
-    all += luminance(one.irradiance);
+    all += luminance_of(one.irradiance);
   }
-  for (DiscLight& light : found.lights) light.share = luminance(light.irradiance) / all;
+  for (DiscLight& light : found.lights) light.share = luminance_of(light.irradiance) / all;
   return found;
 }
 
@@ -52,8 +51,8 @@ std::string table(const std::vector<DiscLight>& lights, double lux) {
     const DiscLight& light = lights[k];
     const auto [azimuth, elevation] = angles_of(light.towards);
     text += fmt::format("{:>4} {:>9.3f} {:>9.3f} {:>9} {:>11.6g} {:>11.6g} {:>11.6g} {:>11.6g} {:>6.2f}%\n", k + 1,
-                        azimuth, elevation, radius_words(light), lux * luminance(light.irradiance), light.irradiance.x,
-                        light.irradiance.y, light.irradiance.z, 100 * light.share);
+                        azimuth, elevation, radius_words(light), lux * luminance_of(light.irradiance),
+                        light.irradiance.x, light.irradiance.y, light.irradiance.z, 100 * light.share);
   }
   return text;
 }
@@ -67,7 +66,7 @@ void add(Report& report, const std::vector<DiscLight>& lights, double lux, bool 
     report.put("lights[].azimuth", azimuth);
     report.put("lights[].elevation", elevation);
     report.put("lights[].irradiance", Direction(light.irradiance));
-    report.put("lights[].lux", lux * luminance(light.irradiance));
+    report.put("lights[].lux", lux * luminance_of(light.irradiance));
     report.put("lights[].share", light.share);
     const auto of_disc = [&](std::string_view key, const ReportValue& value) {
       report.put(fmt::format("lights[].{}", key), are_discs ? value : ReportValue(nullptr));

@@ -85,7 +85,7 @@ void ask_for_large_pages(void* data, std::size_t bytes) {
 
 #else
 
-// As other systems begin: each answer is right, and leaves the work to the caller. Better ones go here.
+// Other systems begin with these answers. Each is right, and leaves the work to the caller. Better ones go here.
 std::filesystem::path own_program() { return {}; }
 
 int open_nameless(const std::string&) { return -1; }

@@ -1,6 +1,6 @@
 /// @file
-/// What Linux has and POSIX has not, in one place. Each call has an answer for systems without, at which the caller
-/// goes another way: what is written is the same, later or with a file left behind by a crash.
+/// The calls that Linux has and POSIX has not, in one place. Where a system lacks a call, its answer says so, and the
+/// caller goes another way: the same files are written, later or with one left behind by a crash.
 #pragma once
 
 #include <cstddef>
@@ -34,7 +34,7 @@ Lock lock_folder(int descriptor, bool alone);
 
 /// Takes room on the disk for an open file. @return 0 or an error of errno.
 int take_room(int descriptor, std::uint64_t bytes);
-/// Whether the disk of an open file surely has fewer free bytes. False where it compresses, or does not tell.
+/// Whether the disk of an open file surely has fewer free bytes. False where the disk compresses, or does not tell.
 bool lacks_room(int descriptor, std::uint64_t bytes);
 
 /// Bytes of memory that the process has; 0 where the system does not tell.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "envmap/maths/luminance.h"
 #include "envmap/maths/portable.h"
 #include "envmap/operate/convert.h"
 #include "envmap/projection/visit.h"
@@ -29,7 +30,7 @@ std::vector<SkyTexel> texels_of(const EnvironmentMap& environment) {
     solid_angles(Projection::latlong, sky_rows, row, solid_angle);
     for (int i = 0; i < sky_columns; ++i) {
       const Flux all = solid_angle[std::size_t(i)] * Flux(*map.base().texel(0, i, row));
-      texels.push_back({from[std::size_t(i)], all, 0.2126 * all.x + 0.7152 * all.y + 0.0722 * all.z});
+      texels.push_back({from[std::size_t(i)], all, luminance_of(all)});
     }
   }
   return texels;

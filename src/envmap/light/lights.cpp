@@ -10,6 +10,7 @@
 
 #include "envmap/base/run_operation.h"
 #include "envmap/light/bright_regions.h"
+#include "envmap/light/disc_angles.h"
 #include "envmap/light/disc_fit.h"
 #include "envmap/light/smooth_fill.h"
 #include "envmap/maths/portable.h"
@@ -20,12 +21,6 @@ namespace envmap {
 namespace {
 
 constexpr double degree = pi / 180;
-
-double solid_angle_of(double radius) {
-  const double s = portable::sin(0.5 * radius);
-  return 4 * pi * s * s;
-}
-double radius_of(double solid_angle) { return 2 * portable::asin(std::sqrt(std::min(1.0, solid_angle / (4 * pi)))); }
 
 // Half of the weight lies below it.
 double weighted_median(std::vector<std::pair<double, double>>& values) {
@@ -73,7 +68,7 @@ class Finder {
         luminous_flux_(luminous_flux) {}
 
   FoundLights run(const Progress& progress) {
-    const double largest = solid_angle_of(options_.max_radius_degrees * degree);
+    const double largest = solid_angle_of_disc(options_.max_radius_degrees * degree);
     // A source that is no larger and has its share is so bright in the mean.
     const std::vector<BrightRegion> regions =
         bright_regions(geometry_, options_.min_share * luminous_flux_ / largest, largest);
@@ -118,7 +113,7 @@ class Finder {
     Direction sum(0);
     for (const Texel& t : region.texels)
       sum += geometry_.solid_angle(t) * luminance_of(colour(t)) * geometry_.centre(t);
-    return {unit(sum, geometry_.centre(region.texels.front())), radius_of(region.solid_angle)};
+    return {unit(sum, geometry_.centre(region.texels.front())), radius_of_disc(region.solid_angle)};
   }
 
   // The texels round a place, beyond what surrounds it. Nothing where that is too much of the map, or as bright.
@@ -193,7 +188,7 @@ class Finder {
     Direction sum(0);
     for (const Texel& t : region.texels) sum += geometry_.solid_angle(t) * geometry_.centre(t);
     const Direction middle = unit(sum, geometry_.centre(region.texels.front()));
-    const double rim = 2 * portable::sin(0.5 * radius_of(region.solid_angle));
+    const double rim = 2 * portable::sin(0.5 * radius_of_disc(region.solid_angle));
     double outside = 0;
     for (const Texel& t : region.texels)
       if (glm::distance(geometry_.centre(t), middle) > rim) outside += geometry_.solid_angle(t);
@@ -299,16 +294,13 @@ class Finder {
       }
     }
     for (DiscLight& light : lights) {
-      const double radius = light.radius_degrees * degree, sine = portable::sin(radius);
-      light.radiance = light.flux / solid_angle_of(radius);
-      light.irradiance = light.radiance * (pi * sine * sine);
+      const double radius = light.radius_degrees * degree;
+      light.radiance = light.flux / solid_angle_of_disc(radius);
+      light.irradiance = light.flux * irradiance_of_flux(radius);
       light.share = luminance_of(light.flux) / luminous_flux_;
       light.towards = to_world_ * light.towards;
     }
   }
-
-  static double luminance_of(const Flux& f) { return 0.2126 * f.x + 0.7152 * f.y + 0.0722 * f.z; }
-  static double luminance_of(const Colour& c) { return envmap::luminance_of(c); }
 
   static double beyond(const Patch& patch, std::size_t t, const Disc& d) {
     return glm::distance(patch.centre()[t], d.towards) - d.radius;
@@ -363,7 +355,7 @@ FoundLights find_lights(const EnvironmentMap& map, const LightOptions& options, 
   check(options);
   return run_operation(run, [&](const Progress& progress) {
     const Flux all = flux(require_finite(map).base());
-    const double luminous = 0.2126 * all.x + 0.7152 * all.y + 0.0722 * all.z;
+    const double luminous = luminance_of(all);
     return luminous > 0 ? Finder(map, options, luminous).run(progress) : FoundLights{};
   });
 }

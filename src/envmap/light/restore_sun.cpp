@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "envmap/base/error.h"
+#include "envmap/light/disc_angles.h"
 #include "envmap/light/disc_fit.h"
 #include "envmap/maths/portable.h"
 #include "envmap/operate/atmosphere.h"
@@ -15,11 +16,6 @@
 
 namespace envmap {
 namespace {
-
-double luminance(const Flux& f) { return 0.2126 * f.x + 0.7152 * f.y + 0.0722 * f.z; }
-
-// Irradiance of a facing plane over the flux of an even disc.
-double facing(double radius) { return 0.5 * (1 + portable::cos(radius)); }
 
 // A disc in a map: the texels that it touches, and which part of each.
 struct DiscInMap {
@@ -73,7 +69,7 @@ ClippedSun clipped_sun(const EnvironmentMap& map) {
   TexelGeometry geometry(map.base());
   // All texels of the region are about as large as the one in its middle.
   const double solid_angle = geometry.solid_angle(m.brightest_texel) * double(m.brightest_texels);
-  const double degrees = 360 / pi * portable::asin(std::sqrt(std::min(1.0, solid_angle / (4 * pi))));
+  const double degrees = 180 / pi * radius_of_disc(solid_angle);
   if (degrees > largest)
     throw InputError(fmt::format("the brightest texels, {} of one value, fill a disc of {:.1f} degrees radius: no sun",
                                  m.brightest_texels, degrees));
@@ -86,7 +82,7 @@ RestoredSun restore_sun(EnvironmentMap& map, const Flux& irradiance, double radi
   RestoredSun restored{.sun = clipped_sun(map)};
   TexelGeometry geometry(map.base());
   const DiscInMap disc = disc_of(geometry, map, restored.sun, radius_degrees);
-  const double factor = facing(radius_degrees * pi / 180);
+  const double factor = irradiance_of_flux(radius_degrees * pi / 180);
   restored.flux_before = flux(map.base());
   restored.irradiance_before = factor * disc.flux(map.base());
   const Flux missing = irradiance / factor - disc.flux(map.base());
@@ -124,8 +120,8 @@ Flux irradiance_of_sun_in_atmosphere(const EnvironmentMap& map, double radius_de
   TexelGeometry geometry(map.base());
   const Flux sun_here = disc_of(geometry, map, sun, radius_degrees).flux(map.base());
   // A horizontal plane sees the sky alone.
-  const double sky = luminance(irradiance(map, {0, 1, 0})) - sun.towards.y * luminance(sun_here);
-  return disc * (with.sun_normal / with.sky_horizontal * std::max(0.0, sky) / luminance(disc));
+  const double sky = luminance_of(irradiance(map, {0, 1, 0})) - sun.towards.y * luminance_of(sun_here);
+  return disc * (with.sun_normal / with.sky_horizontal * std::max(0.0, sky) / luminance_of(disc));
 }
 
 }  // namespace envmap

@@ -111,8 +111,6 @@ Texel texel_beside(const Level& level, const Texel& t, int right, int down) {
           std::clamp(int(found.v * level.height()), 0, level.height() - 1)};
 }
 
-double luminance_of(const Colour& c) { return 0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z; }
-
 Region brightest_region(const Level& level, double luminance, std::int64_t count, const Texel& first) {
   const Region alone{first, direction_of(level, first), count};
   if (count <= 1) return alone;

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 
+#include "envmap/maths/luminance.h"
 #include "envmap/operate/measure.h"
 
 namespace envmap {
@@ -22,8 +23,5 @@ Region brightest_region(const Level& level, double luminance, std::int64_t count
 
 /// The texel at a step from another: on the face itself, or where the projection goes on beyond its side.
 Texel texel_beside(const Level& level, const Texel& texel, int right, int down);
-
-/// Rec. 709.
-double luminance_of(const Colour& c);
 
 }  // namespace envmap

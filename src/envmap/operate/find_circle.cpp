@@ -329,12 +329,6 @@ std::vector<Candidate> candidates(const Tones& t, std::span<const Edge> edges) {
 
 Circle scaled(const Circle& c, double k) { return {k * c.x, k * c.y, k * c.radius}; }
 
-}  // namespace
-
-bool FoundCircle::sure() const { return support >= 0.5 && spread <= std::max(0.6, 0.002 * circle.radius) && !rival; }
-
-namespace {
-
 constexpr double almost = 0.75;  // Of the best support: a circle that may be meant as well.
 
 // The best circle, or one around it that is almost as good: a ball's rim, not a reflection's.
@@ -355,6 +349,8 @@ std::optional<Circle> rival_of(const Candidate& best, std::span<const Candidate>
 }
 
 }  // namespace
+
+bool FoundCircle::sure() const { return support >= 0.5 && spread <= std::max(0.6, 0.002 * circle.radius) && !rival; }
 
 std::optional<FoundCircle> find_circle(const Level& photo) {
   std::vector<Tones> levels;

@@ -35,7 +35,7 @@ double near_field_cost(const Job& job, const LevelKernel& kernel) {
   if (kernel.kind == LevelKernel::Kind::power) {
     const double seen = 0.5 * double(kernel.end) * job.size(), reach = std::sqrt(2 * double(kernel.end));
     // Texels of cubes, and those near poles, are summed by points; others in panels of rows.
-    const double side = pi / job.rows(), panels = fall_over(kernel, side) / double(kernel.max_variation);
+    const double side = pi / job.rows(), panels = variation_over(kernel, side);
     const bool by_points_alone = job.cube() || panels > most_panels;
     const double polar = by_points_alone ? 1 : 1 - portable::cos(std::min(0.5 * pi, 64 * side + reach));
     return 500 + (power_texel * std::ceil(panels) + power_point * points_in_texel(kernel, side) * polar) * seen;

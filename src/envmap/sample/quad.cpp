@@ -296,7 +296,7 @@ void add(const PaddedLevel& source, int face, const Quads& q, const Weights& wei
       const float(*weight)[lanes_at_most] = weights.of + j * (weights.columns + 2);
       for (int i = 0; i < columns; ++i, radiance += 3) {
         const auto texel = hn::LoadU(d, radiance);
-        light = hn::Add(light, hn::Mul(hn::Set(d, weight[i][lane]), texel));
+        light = light + hn::Set(d, weight[i][lane]) * texel;
         low = hn::Min(low, texel), high = hn::Max(high, texel);
         whole += weight[i][lane];
       }

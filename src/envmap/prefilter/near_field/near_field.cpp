@@ -127,8 +127,7 @@ template <bool cosine>
 Flux over_power_rows(const LevelKernel& k, RowsOfLatlong rows, const Columns& columns, const Light& of) {
   const Piece& first = rows[0].texels.texel;
   const double high = first.y1 - first.y0;
-  const double fall = fall_over(k, high) / double(k.max_variation);
-  const Middles middles(columns, std::size_t(std::ceil(std::max(1.0, fall))));
+  const Middles middles(columns, std::size_t(std::ceil(std::max(1.0, variation_over(k, high)))));
   const SideRule& down = steepest_rule(k, high);
   std::vector<PowerRow> powers;
   powers.reserve(rows.size());
@@ -150,7 +149,7 @@ Flux over_power_rows(const LevelKernel& k, RowsOfLatlong rows, const Columns& co
 
 // Whether a power falls little enough over a texel for narrow_power-inl.h.
 bool is_power(const LevelKernel& k, double side) {
-  return k.kind == LevelKernel::Kind::power && fall_over(k, side) <= most_panels * double(k.max_variation);
+  return k.kind == LevelKernel::Kind::power && variation_over(k, side) <= most_panels;
 }
 
 Flux NearFieldLatlong(const Light& light, const LevelKernel& k, const GridView& view) {

@@ -30,7 +30,7 @@ const std::array<SteepRule, 9>& steep_rules() {
 }
 
 const SteepRule& steepest(const LevelKernel& k, double side) {
-  const double variation = fall_over(k, side) / double(k.max_variation);
+  const double variation = variation_over(k, side);
   for (const SteepRule& r : steep_rules())
     if (variation <= r.part) return r;
   return steep_rules().back();
@@ -38,8 +38,8 @@ const SteepRule& steepest(const LevelKernel& k, double side) {
 
 }  // namespace
 
-double fall_over(const LevelKernel& k, double side) {
-  return side * double(k.power * k.part) * (std::sqrt(2 * double(k.end)) + side);
+double variation_over(const LevelKernel& k, double side) {
+  return side * double(k.power * k.part) * (std::sqrt(2 * double(k.end)) + side) / double(k.max_variation);
 }
 
 const SideRule& steepest_rule(const LevelKernel& k, double side) { return steepest(k, side).rule; }
@@ -61,7 +61,7 @@ Rules rules_of(const LevelKernel& k, double side) {
 // The steepness rises with the distance from the middle, and the number of texels with its square.
 double points_in_texel(const LevelKernel& k, double side) {
   const Rules rules = rules_of(k, side);
-  const double variation = fall_over(k, side) / double(k.max_variation);
+  const double variation = variation_over(k, side);
   double sum = 0, served = 0;
   for (const RuleAcross& r : rules.used()) {
     const bool last = &r == &rules.used().back();

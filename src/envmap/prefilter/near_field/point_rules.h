@@ -39,8 +39,8 @@ struct Rules {
 /// LevelKernel::max_variation.
 inline constexpr int most_panels = 8;
 
-/// The power of e by which a power falls over a side, where it is steepest.
-double fall_over(const LevelKernel& k, double side);
+/// The power of e by which a power falls over a side, where it is steepest, over LevelKernel::max_variation.
+double variation_over(const LevelKernel& k, double side);
 
 /// The sparsest rule that serves a power over a side, or the densest that there is.
 const SideRule& steepest_rule(const LevelKernel& k, double side);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "envmap/maths/luminance.h"
 #include "envmap/operate/convert.h"
 #include "envmap/projection/latlong.h"
 
@@ -29,7 +30,7 @@ EnvironmentSampler::EnvironmentSampler(const EnvironmentMap& map)
     double* const sums = &cells_[row * (width + 1)];
     for (int i = 0; i < width; ++i) {
       const Flux radiance(*cells.base().texel(0, i, row));
-      sums[i + 1] = sums[i] + solid_angle * std::max(0.0, glm::dot(radiance, Flux(0.2126, 0.7152, 0.0722)));
+      sums[i + 1] = sums[i] + solid_angle * std::max(0.0, luminance_of(radiance));
     }
     rows_[row + 1] = rows_[row] + sums[width];
   }
