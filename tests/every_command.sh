@@ -90,7 +90,7 @@ light() {
   run sh sky.exr --irradiance --window auto
   run lights sun.exr --remainder rest.exr --gltf suns.gltf
   run bake sun.exr sunny --for usd --suns
-  run convert sun.exr brighter.exr --restore-sun atmosphere --depth float
+  run convert sun.exr brighter.exr --restore-sun lux=100000 --depth float
   run lights sky.exr --count 8
   for engine in filament unity babylon gltf; do
     run bake sky.exr $engine --for $engine --chain-size 16 --max-error 0.1 --clamp

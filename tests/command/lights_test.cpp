@@ -122,6 +122,15 @@ TEST_F(Lights, ThatWereClippedAreRestored) {
     EXPECT_NEAR(flux_of("whole.exr")[0].get<double>(), said["flux_after"][0].get<double>(), 1e-3);
   }
   EXPECT_EQ(report({"convert", "cut.png", "day.exr", "--restore-sun", "atmosphere"})["sun"]["radius"], 0.2666);
+  ASSERT_EQ(envmap({"generate", "sun", "low.exr", "--to", "latlong", "--size", "64", "--direction", "1,0.001,0",
+                    "--value", "100,100,0", "--zenith", "1,1,0", "--ground", "0.2,0.2,0"})
+                .status,
+            0);
+  EXPECT_EQ(report({"convert", "low.exr", "red.exr", "--restore-sun", "atmosphere", "--depth",
+                    "float"})["sun"]["irradiance_after"][2]
+                .get<double>(),
+            0)
+      << "redder than Rec. 709 has a colour for";
   fails(2, {"convert", "cut.png", "no.exr", "--restore-sun", "lots"}, {"--restore-sun"});
   fails(3, {"convert", "sun.exr", "no.exr", "--restore-sun", "lux=1e-3"}, {"more than"});
 }

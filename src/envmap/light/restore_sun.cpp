@@ -8,6 +8,7 @@
 #include "envmap/light/disc_angles.h"
 #include "envmap/light/disc_fit.h"
 #include "envmap/maths/portable.h"
+#include "envmap/maths/primaries.h"
 #include "envmap/operate/atmosphere.h"
 #include "envmap/operate/brightest.h"
 #include "envmap/operate/check_options.h"
@@ -116,7 +117,8 @@ Flux irradiance_of_sun_in_atmosphere(const EnvironmentMap& map, double radius_de
   const Daylight with = generate(air, Projection::latlong, rows, run);
   air.disc = false;
   const Daylight without = generate(air, Projection::latlong, rows, run);
-  const Flux disc = flux(with.map.base()) - flux(without.map.base());
+  // The light of a sun at the horizon is redder than the primaries.
+  const Flux disc = into_gamut(flux(with.map.base()) - flux(without.map.base()), luminance_weights(rec709));
   TexelGeometry geometry(map.base());
   const Flux sun_here = disc_of(geometry, map, sun, radius_degrees).flux(map.base());
   // A horizontal plane sees the sky alone.

@@ -111,6 +111,12 @@ void add_light(EnvironmentMap& map, const EnvironmentMap& other, double gain, co
   });
 }
 
+Flux into_gamut(const Flux& colour, const Flux& luminance) {
+  if (!(least(colour) < 0)) return colour;
+  const double y = glm::dot(colour, luminance);
+  return y > 0 ? saturated(colour, 1, y) : Flux(0);
+}
+
 std::int64_t into_gamut(Level& level, const Flux& luminance) {
   check_finite("luminance", luminance);
   const auto rows = map_level<std::int64_t>(level, [&](std::int64_t& outside, int face, int row) {
@@ -118,8 +124,7 @@ std::int64_t into_gamut(Level& level, const Flux& luminance) {
       const Flux c(texel);
       if (!(least(c) < 0)) continue;
       if (least(c) < -1e-3 * largest(c)) ++outside;
-      const double y = glm::dot(c, luminance);
-      texel = Colour(y > 0 ? saturated(c, 1, y) : Flux(0));
+      texel = Colour(into_gamut(c, luminance));
     }
   });
   return std::accumulate(rows.begin(), rows.end(), std::int64_t{0});

@@ -27,8 +27,11 @@ void apply(const Grade& grade, Level& level);
 /// @throws InputError where a texel of either is NaN or infinite.
 void add_light(EnvironmentMap& map, const EnvironmentMap& other, double gain = 1, const Run& run = {});
 
-/// Colours with a negative channel, which a wider space brought, are moved to grey of their luminance until none is;
-/// what has no luminance becomes 0. @return how many texels had one below -1e-3 of their largest channel:
+/// A colour with a negative channel, which a wider space brought, is moved to grey of its luminance until none is; what
+/// has no luminance becomes 0.
+Flux into_gamut(const Flux& colour, const Flux& luminance);
+
+/// All colours of a level likewise. @return how many texels had one below -1e-3 of their largest channel:
 /// more than rounding.
 std::int64_t into_gamut(Level& level, const Flux& luminance);
 
