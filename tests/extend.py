@@ -124,7 +124,6 @@ def add_projection(copy):
 
 VEIL = '''/// An invented lobe: value = (t + t^2) 3 / (5 pi), t = 1 - x.
 struct Veil {
-  static constexpr std::string_view name = "veil", parameter_name = "";
   static constexpr double scale = 0.6 / pi;
   static double whole(double t) { return t * t * (0.6 + 0.4 * t); }
   [[nodiscard]] double value(double x) const { return x < 1 ? scale * (1 - x) * (2 - x) : 0; }
@@ -169,19 +168,19 @@ struct Rest<Veil> {
 def add_lobe(copy):
     at = Recipe(copy, 'A lobe')
     prefilter = 'src/envmap/prefilter/'
-    at.change(prefilter + 'lobe.h', r'^using Lobe = std::variant<[^>]*', lambda m: VEIL + m[0] + ', Veil')
-    at.change(prefilter + 'lobe.h', r'RadialLobe<Charlie>\)', r'RadialLobe<Charlie> && RadialLobe<Veil>)')
+    at.change(prefilter + 'lobe_formulas.h', r'^using LobeFormula = std::variant<[^>]*', lambda m: VEIL + m[0] + ', Veil')
+    at.change(prefilter + 'lobe_formulas.h', r'RadialLobe<Charlie>\)', r'RadialLobe<Charlie> && RadialLobe<Veil>)')
     at.change(prefilter + 'lobe_lanes-inl.h', r'^}  // namespace HWY_NAMESPACE', lambda m: VEIL_VALUE + m[0])
     at.change(prefilter + 'exact/exact_kernels.cpp', r'^HWY_INLINE V square_of\(', lambda m: VEIL_RATE + m[0])
     at.change(prefilter + 'lobe_in_rectangle.cpp', r'^ENVMAP_ROUND\(Cube, Charlie\);', r'\g<0>\nENVMAP_ROUND(Latlong, Veil);\nENVMAP_ROUND(Cube, Veil);')
     at.change(prefilter + 'treecode/lobe_bounds-inl.h', r'^}  // namespace HWY_NAMESPACE', lambda m: VEIL_REST + m[0])
-    at.change(prefilter + 'prefix_sums/prefix_sums.cpp', r'^std::optional<ClampedCosinePolynomial> clamped_cosine_polynomial\(const Lobe& lobe\) \{\n',
+    at.change(prefilter + 'prefix_sums/prefix_sums.cpp', r'^std::optional<ClampedCosinePolynomial> clamped_cosine_polynomial\(const LobeFormula& lobe\) \{\n',
               r'\g<0>  if (std::holds_alternative<Veil>(lobe)) return ClampedCosinePolynomial{{Veil::scale, Veil::scale, 0}};\n')
-    at.change(prefilter + 'prefilter.h', r'(enum class Shape \{[^}]*)\}', r'\1, veil}')
-    at.change(prefilter + 'prefilter.h', r'(shape_names\[\] = \{[^}]*)\}', r'\1, Veil::name}')
-    at.change(prefilter + 'prefilter.cpp', r'if \(p\.shape == Shape::diffuse\) \{', r'if (p.shape == Shape::diffuse || p.shape == Shape::veil) {')
-    at.change(prefilter + 'prefilter.cpp', r'    case Shape::diffuse: return Cosine\{\};\n', r'\g<0>    case Shape::veil: return Veil{};\n')
-    at.change('tools/commands/prefilter.cpp', r'if \(p\.shape != Shape::diffuse\) p\.parameter', r'if (p.shape != Shape::diffuse && p.shape != Shape::veil) p.parameter')
+    at.change(prefilter + 'lobe.h', r'(enum class LobeShape \{[^}]*)\}', r'\1, veil}')
+    at.change(prefilter + 'lobe.h', r'(lobe_shape_names\[\] = \{[^}]*)\}', r'\1, "veil"}')
+    at.change(prefilter + 'lobe.cpp', r'if \(shape == LobeShape::diffuse\) \{', r'if (shape == LobeShape::diffuse || shape == LobeShape::veil) {')
+    at.change(prefilter + 'lobe_formulas.cpp', r'    case LobeShape::diffuse: return Cosine\{\};\n', r'\g<0>    case LobeShape::veil: return Veil{};\n')
+    at.change('tools/commands/prefilter.cpp', r'if \(o\.shape != LobeShape::diffuse\) p\.lobe = Lobe\(o\.shape, parameters\[k\]\);', r'p.lobe = o.shape == LobeShape::diffuse || o.shape == LobeShape::veil ? Lobe(o.shape) : Lobe(o.shape, parameters[k]);')
 
 
 # ---- a file format: a line of size, then the floats ---------------------------------------------------------------------

@@ -7,35 +7,42 @@
 /// read. Errors are exceptions, subclasses of envmap::Error.
 #pragma once
 
-#include "envmap/base/error.h"
-#include "envmap/base/run.h"
-#include "envmap/base/version.h"
-#include "envmap/engine/bake.h"
-#include "envmap/engine/level_roughness.h"
-#include "envmap/engine/suns.h"
-#include "envmap/io/claims/colour.h"
-#include "envmap/io/images/picture.h"
-#include "envmap/io/read.h"
-#include "envmap/io/texels/pack.h"
-#include "envmap/io/texels/pixel_buffer.h"
-#include "envmap/io/write.h"
-#include "envmap/light/distant_lights.h"
-#include "envmap/light/lights.h"
-#include "envmap/light/restore_sun.h"
-#include "envmap/map/environment_map.h"
-#include "envmap/map/rows.h"
-#include "envmap/operate/atmosphere.h"
-#include "envmap/operate/convert.h"
-#include "envmap/operate/generate.h"
-#include "envmap/operate/grade.h"
-#include "envmap/operate/importance_sampling.h"
-#include "envmap/operate/levels.h"
-#include "envmap/operate/lookup.h"
-#include "envmap/operate/measure.h"
-#include "envmap/operate/photograph.h"
-#include "envmap/prefilter/brdf_table.h"
-#include "envmap/prefilter/harmonics.h"
-#include "envmap/prefilter/harmonics_window.h"
-#include "envmap/prefilter/prefilter.h"
-#include "envmap/prefilter/shader_sh.h"
-#include "envmap/projection/matching_size.h"
+// What most programs need.
+#include "envmap/base/error.h"              // Error: ErrorCode, Remedy
+#include "envmap/base/run.h"                // Run: progress, stop token, threads
+#include "envmap/base/version.h"            // ENVMAP_VERSION
+#include "envmap/io/read.h"                 // read(): Source
+#include "envmap/io/texels/pack.h"          // pack(): PackedMap, for a graphics API
+#include "envmap/io/texels/pixel_buffer.h"  // map_of(), copy_to(): images in memory
+#include "envmap/io/write.h"                // write(), encode()
+#include "envmap/map/environment_map.h"     // EnvironmentMap: Level, Frame
+#include "envmap/operate/convert.h"         // convert()
+#include "envmap/operate/levels.h"          // add_levels()
+#include "envmap/operate/lookup.h"          // EnvironmentLookup
+#include "envmap/prefilter/prefilter.h"     // Prefilterer: Lobe
+
+// Engines and shaders.
+#include "envmap/engine/bake.h"             // bake(): an engine's folder
+#include "envmap/engine/level_roughness.h"  // level_roughnesses() of an engine's chain
+#include "envmap/engine/suns.h"             // suns in an engine's words
+#include "envmap/prefilter/brdf_table.h"    // brdf_table(), sheen_table(): the split sum
+#include "envmap/prefilter/shader_sh.h"     // shader_sh(): nine colours
+
+// Light: lamps and suns, sampling, irradiance, spherical harmonics.
+#include "envmap/light/distant_lights.h"         // distant_lights(): median cut
+#include "envmap/light/lights.h"                 // find_lights(), take_out()
+#include "envmap/light/restore_sun.h"            // restore_sun(), clipped_sun()
+#include "envmap/operate/grade.h"                // irradiance(), radiance_within(), white_balance()
+#include "envmap/operate/importance_sampling.h"  // ImportanceSampler
+#include "envmap/prefilter/harmonics.h"          // project(), evaluate()
+#include "envmap/prefilter/harmonics_window.h"   // weakest_window()
+
+// Made maps, measured maps, pictures.
+#include "envmap/io/claims/colour.h"          // colour spaces of files
+#include "envmap/io/images/picture.h"         // show(), write_picture()
+#include "envmap/map/rows.h"                  // Rows: maps that are made row by row
+#include "envmap/operate/atmosphere.h"        // generate(Atmosphere)
+#include "envmap/operate/generate.h"          // generate(Sky), (Sun), ...
+#include "envmap/operate/measure.h"           // compare(), measure(), find_flaws()
+#include "envmap/operate/photograph.h"        // photograph(): perspective and fisheye
+#include "envmap/projection/matching_size.h"  // matching_size()

@@ -9,3 +9,4 @@
 #include "envmap/scenes/render_map.h"
 #include "envmap/scenes/scene.h"
 #include "envmap/scenes/view.h"
+#include "envmap/scenes/write_grid.h"

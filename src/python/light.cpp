@@ -41,10 +41,10 @@ py::array_t<double> nine_colours(const Map& map, const std::string& basis, const
 }
 
 py::array_t<float> table_of(const std::string& lobe, int size, const py::object& progress) {
-  const Shape shape = shape_of(lobe);
-  if (shape != Shape::ggx && shape != Shape::charlie) throw UsageError("a table is of the lobe ggx or charlie");
+  const LobeShape shape = shape_of(lobe);
+  if (shape != LobeShape::ggx && shape != LobeShape::charlie) throw UsageError("a table is of the lobe ggx or charlie");
   const std::vector<Colour> table = run_operation(progress, [=](const Run& run) {
-    return shape == Shape::ggx ? brdf_table(size, run) : sheen_table(size, run);
+    return shape == LobeShape::ggx ? brdf_table(size, run) : sheen_table(size, run);
   });
   return py::array_t<float>({py::ssize_t{size}, py::ssize_t{size}, py::ssize_t{3}}, &table.front().x);
 }

@@ -14,13 +14,13 @@ using namespace envmap;
 // Exponents or roughnesses, one for each level.
 using Parameters = std::optional<std::vector<double>>;
 
-std::vector<double> parameters(Shape shape, const std::string& lobe, const Parameters& exponents,
+std::vector<double> parameters(LobeShape shape, const std::string& lobe, const Parameters& exponents,
                                const Parameters& roughnesses) {
-  const bool has_exponent = shape == Shape::phong || shape == Shape::blinn_phong;
+  const bool has_exponent = shape == LobeShape::phong || shape == LobeShape::blinn_phong;
   const Parameters& given = has_exponent ? exponents : roughnesses;
-  if (shape != Shape::diffuse && !given)
+  if (shape != LobeShape::diffuse && !given)
     throw UsageError(lobe + (has_exponent ? ": say exponent=" : ": say roughness="));
-  if ((exponents && !has_exponent) || (roughnesses && (has_exponent || shape == Shape::diffuse)))
+  if ((exponents && !has_exponent) || (roughnesses && (has_exponent || shape == LobeShape::diffuse)))
     throw UsageError(lobe + (exponents ? " has no exponent" : " has no roughness"));
   if (!given) return {unset_parameter};
   if (given->empty()) throw UsageError("a chain has a level or more");
@@ -33,18 +33,18 @@ py::tuple prefilter_map(const Map& map, const std::string& lobe, const Parameter
                         const Parameters& roughnesses, const std::string& to, std::optional<int> size,
                         const std::string& method, double max_error, std::optional<double> scale,
                         const std::string& forward, const py::object& progress) {
-  Prefilter wanted{.shape = shape_of(lobe),
-                   .scale = scale,
-                   .to = projection_of(to),
-                   .forward = forward_of(forward),
-                   .method = method_of(method),
-                   .max_error = max_error};
-  const std::vector<double> levels = parameters(wanted.shape, lobe, exponents, roughnesses);
+  PrefilterOptions wanted{.scale = scale,
+                          .to = projection_of(to),
+                          .forward = forward_of(forward),
+                          .method = method_of(method),
+                          .max_error = max_error};
+  const LobeShape shape = shape_of(lobe);
+  const std::vector<Lobe> lobes = lobes_of(shape, parameters(shape, lobe, exponents, roughnesses));
   wanted.size =
-      size.value_or(wanted.shape == Shape::diffuse ? matching_size(Projection::cube, 64, wanted.to)
-                                                   : matching_size(map->projection(), map->base().height(), wanted.to));
+      size.value_or(shape == LobeShape::diffuse ? matching_size(Projection::cube, 64, wanted.to)
+                                                : matching_size(map->projection(), map->base().height(), wanted.to));
   PrefilteredChain chain =
-      run_operation(progress, [=](const Run& run) { return PrefilterSource(*map).make_chain(wanted, levels, run); });
+      run_operation(progress, [=](const Run& run) { return Prefilterer(map).make_chain(lobes, wanted, run); });
   double error = 0;
   std::int64_t exact = 0;
   for (const Prefiltered& level : chain.levels) {

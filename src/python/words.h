@@ -41,7 +41,7 @@ envmap::Forward forward_of(const std::string& word);
 envmap::Layout layout_of(const std::string& word);
 envmap::Depth depth_of(const std::string& word);
 envmap::Filter filter_of(const std::string& word);
-envmap::Shape shape_of(const std::string& word);
+envmap::LobeShape shape_of(const std::string& word);
 envmap::Method method_of(const std::string& word);
 envmap::Weights weights_of(const std::string& word);
 

@@ -33,21 +33,21 @@ using namespace envmap;
 
 // A lobe from its definition, not normalised, over x = 1 - cos.
 struct Kernel {
-  Shape shape;
+  LobeShape shape;
   double parameter, norm = 1;
 
   double operator()(double x) const {
     if (x >= 1) return 0;
-    if (shape == Shape::diffuse) return norm * (1 - x);
-    if (shape == Shape::phong) return norm * std::exp(parameter * std::log1p(-x));
-    if (shape == Shape::charlie) return norm * (1 - x) * std::pow(x / 2, 0.5 / (parameter * parameter));
-    if (shape == Shape::blinn_phong) return norm * (1 - x) * std::exp(0.5 * parameter * std::log1p(-x / 2));
+    if (shape == LobeShape::diffuse) return norm * (1 - x);
+    if (shape == LobeShape::phong) return norm * std::exp(parameter * std::log1p(-x));
+    if (shape == LobeShape::charlie) return norm * (1 - x) * std::pow(x / 2, 0.5 / (parameter * parameter));
+    if (shape == LobeShape::blinn_phong) return norm * (1 - x) * std::exp(0.5 * parameter * std::log1p(-x / 2));
     const double a2 = std::pow(parameter, 4), d = a2 * (1 - x / 2) + x / 2;  // n.h^2 = (1 + cos) / 2.
     return norm * (1 - x) / (d * d);
   }
   // Its largest value from lo to hi: sheen rises to x = k / (1 + k), k its power of x, and all others fall.
   [[nodiscard]] double most(double lo, double hi) const {
-    const double power = shape == Shape::charlie ? 0.5 / (parameter * parameter) : 0;
+    const double power = shape == LobeShape::charlie ? 0.5 / (parameter * parameter) : 0;
     return (*this)(std::clamp(power / (1 + power), lo, hi));
   }
 };
@@ -274,7 +274,7 @@ double integral(const Kernel& f) {
 
 struct Case {
   EnvironmentMap map;
-  Prefilter wanted;
+  PrefilterOptions wanted;
   std::string words;
 };
 
@@ -341,14 +341,16 @@ Case make_case(int number) {
                                       float(strength * (any(2) ? 1 : even())));
   }
   const double errors[] = {1e-2, 3e-3, 1e-3, 1e-3, 3e-4, 1e-4};
-  Prefilter& p = c.wanted;
-  p.shape = static_cast<Shape>(any(3));
-  if (p.shape == Shape::phong) p.parameter = any(6) == 0 ? 0.5 * any(3) * even() : 0.5 * std::pow(10, 4 * even());
-  if (p.shape == Shape::ggx) p.parameter = 0.1 + 0.9 * even();
-  if (p.shape == Shape::phong && number % 3 == 0) p.shape = Shape::blinn_phong;
-  if (p.shape == Shape::ggx && number % 3 == 0) p.shape = Shape::charlie;
-  if (many_suns && p.shape == Shape::phong) p.parameter = 1.5 + 18.5 * even();
-  if (many_suns && p.shape == Shape::ggx) p.parameter = 0.4 + 0.6 * even();
+  PrefilterOptions& p = c.wanted;
+  LobeShape shape = static_cast<LobeShape>(any(3));
+  double parameter = unset_parameter;
+  if (shape == LobeShape::phong) parameter = any(6) == 0 ? 0.5 * any(3) * even() : 0.5 * std::pow(10, 4 * even());
+  if (shape == LobeShape::ggx) parameter = 0.1 + 0.9 * even();
+  if (shape == LobeShape::phong && number % 3 == 0) shape = LobeShape::blinn_phong;
+  if (shape == LobeShape::ggx && number % 3 == 0) shape = LobeShape::charlie;
+  if (many_suns && shape == LobeShape::phong) parameter = 1.5 + 18.5 * even();
+  if (many_suns && shape == LobeShape::ggx) parameter = 0.4 + 0.6 * even();
+  p.lobe = Lobe(shape, parameter);
   p.max_error = many_suns ? errors[4 + any(2)] : errors[any(6)];
   p.to = all_projections[any(2)];
   p.size = p.to == Projection::cube ? 1 + any(10) : 2 + any(15);
@@ -359,7 +361,7 @@ Case make_case(int number) {
   }
   c.words =
       fmt::format("{} {} {} {} suns {}, {} {:.4g}, {:g}, {} {}", name(from), size, pattern ? "pattern" : "content",
-                  content, suns, shape_names[std::size_t(p.shape)], p.parameter, p.max_error, name(p.to), p.size);
+                  content, suns, lobe_shape_names[std::size_t(shape)], parameter, p.max_error, name(p.to), p.size);
   return c;
 }
 
@@ -372,7 +374,7 @@ Found judge(int number, bool quick, Method method) {
   Case c = make_case(number);
   c.wanted.method = method;
   if (method == Method::exact) c.wanted.max_error = 1e-5;
-  const PrefilterSource prepared(c.map);
+  const Prefilterer prepared(c.map);
   const auto start = std::chrono::steady_clock::now();
   const Prefiltered done = prepared.make(c.wanted);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -385,7 +387,7 @@ Found judge(int number, bool quick, Method method) {
     sphere += omega, flux += omega * (t.radiance.x + t.radiance.y + t.radiance.z) / 3;
   }
   const double floor = std::max(1e-3 * flux / sphere, 1e-300);
-  Kernel f{c.wanted.shape, c.wanted.parameter};
+  Kernel f{c.wanted.lobe.shape(), c.wanted.lobe.parameter()};
   f.norm = 1 / integral(f);
   Found found;
   const Level& out = done.map.base();
@@ -396,7 +398,7 @@ Found judge(int number, bool quick, Method method) {
         formulae::direction(out.projection(), t.face, (t.i + 0.5) / out.width(), (t.j + 0.5) / out.height())));
   std::vector<Flux> truths;
   if (quick) {
-    truths = prefiltering::exact_prefilter(source, lobe_of(c.wanted), directions);
+    truths = prefiltering::exact_prefilter(source, formula_of(c.wanted.lobe), directions);
   } else {
     for (const Direction& r : directions) truths.push_back(truth(texels, source.projection(), f, r, floor));
   }

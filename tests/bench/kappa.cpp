@@ -47,8 +47,8 @@ class Random {
 };
 
 // Of one light: the largest part of its bound that the error comes to.
-double error_of(const Level& map, const Direction& light, const Lobe& lobe, const MultilevelPlan& plan, double error,
-                Random& random) {
+double error_of(const Level& map, const Direction& light, const LobeFormula& lobe, const MultilevelPlan& plan,
+                double error, Random& random) {
   const double mean = mean_radiance(map);
   const SourceGrids grids(map, mean, Colour(0), plan.finest());
   const std::optional<Level> fine = refined(map);
@@ -69,7 +69,7 @@ double error_of(const Level& map, const Direction& light, const Lobe& lobe, cons
 }
 
 // The largest part of its bound, of lights in so many places.
-double worst_of(const Lobe& lobe, const MultilevelPlan& plan, double error, Projection projection, int size,
+double worst_of(const LobeFormula& lobe, const MultilevelPlan& plan, double error, Projection projection, int size,
                 int lights) {
   Random random;
   double worst = 0;
@@ -86,13 +86,13 @@ double worst_of(const Lobe& lobe, const MultilevelPlan& plan, double error, Proj
 
 constexpr double errors[] = {1e-3, 4e-4, 1e-4};
 
-void print_line(Shape shape, double parameter, Projection projection, int size, int lights) {
+void print_line(LobeShape shape, double parameter, Projection projection, int size, int lights) {
   std::string line =
-      fmt::format("{:6} {:<7g} {:7} {:4}:", shape_names[std::size_t(shape)], parameter, name(projection), size);
+      fmt::format("{:6} {:<7g} {:7} {:4}:", lobe_shape_names[std::size_t(shape)], parameter, name(projection), size);
   const int max_rows = finest_rows(Level(projection, size));
   for (const double error : errors) {
-    const Lobe lobe = lobe_of({.shape = shape, .parameter = parameter, .scale = {}});
-    const bool power = shape == Shape::phong || shape == Shape::blinn_phong;
+    const LobeFormula lobe = formula_of(Lobe(shape, parameter));
+    const bool power = shape == LobeShape::phong || shape == LobeShape::blinn_phong;
     const auto plan = multilevel_plan(lobe, error, std::min(2048, power ? 2 * max_rows : max_rows), projection);
     line += plan ? fmt::format("  {:g} {:.2f}", error, worst_of(lobe, *plan, error, projection, size, lights))
                  : fmt::format("  {:g} no bound", error);
@@ -123,18 +123,18 @@ int main(int argc, char** argv) {
   const auto given = [&](int k, double otherwise) { return argc > k ? std::atof(argv[k]) : otherwise; };
   const int lights = int(given(1, 6));
   const double least = given(4, 0), most = given(5, 1e9);
-  const auto print = [&](Shape shape, double parameter, Projection projection, int size, int count) {
+  const auto print = [&](LobeShape shape, double parameter, Projection projection, int size, int count) {
     if (parameter >= least && parameter <= most) print_line(shape, parameter, projection, size, count);
   };
   for (const auto& [projection, size] :
        {std::pair{Projection::latlong, int(given(2, 512))}, std::pair{Projection::cube, int(given(3, 256))}}) {
     for (const double roughness : {0.001, 0.01, 0.02, 0.05, 0.08, 0.1, 0.12, 0.15, 0.2, 0.3, 0.5, 0.8})
-      print(Shape::ggx, roughness, projection, size, lights);
+      print(LobeShape::ggx, roughness, projection, size, lights);
     for (const double exponent : {4.0, 6.0, 20.0, 300.0, 1e5, 1e6, 1e8})
-      print(Shape::phong, exponent, projection, size, lights);
+      print(LobeShape::phong, exponent, projection, size, lights);
     for (const int rows : {512, 1024, 2048})
       if (rows >= least && rows <= most) print_narrowest(rows, projection, size, lights);
     for (const double exponent : {2.0, 6.0, 40.0, 1000.0, 12000.0, 1e6})
-      print(Shape::blinn_phong, exponent, projection, size, lights);
+      print(LobeShape::blinn_phong, exponent, projection, size, lights);
   }
 }

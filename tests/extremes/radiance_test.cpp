@@ -35,7 +35,7 @@ TEST(Black, StaysBlack) {
         EXPECT_EQ(extremes::range(convert(map, {.to = to, .size = 5, .filter = filter.filter}).base()),
                   std::pair(0.0F, 0.0F));
     for (const Method method : {Method::automatic, Method::exact, Method::treecode})
-      EXPECT_EQ(extremes::range(PrefilterSource(map).make({.size = 2, .method = method}).map.base()),
+      EXPECT_EQ(extremes::range(Prefilterer(map).make({.size = 2, .method = method}).map.base()),
                 std::pair(0.0F, 0.0F));
     for (const Flux& c : project(map, 3).coefficients) EXPECT_EQ(c, Flux(0));
     EXPECT_EQ(compare(map.base(), map.base()).maximum, 0);
@@ -61,7 +61,7 @@ TEST(Subnormal, ConstantsStay) {
         EXPECT_GE(least, value - 12 * step) << name(to) << ", " << name(filter);
         EXPECT_LE(most, value + 12 * step) << name(to) << ", " << name(filter);
       }
-    const auto [least, most] = extremes::range(PrefilterSource(map).make({.size = 2}).map.base());
+    const auto [least, most] = extremes::range(Prefilterer(map).make({.size = 2}).map.base());
     EXPECT_NEAR(least / value, 1, 1e-3);
     EXPECT_NEAR(most / value, 1, 1e-3);
     EXPECT_NEAR(project(map, 0).coefficients[0].x / (double{value} * std::sqrt(4 * pi)), 1, 1e-6);
@@ -117,19 +117,18 @@ TEST_F(Files, HoldEveryFloatOrRefuse) {
 TEST(Lobes, WhiteStaysWhiteAtEveryWidth) {
   for (const Projection from : all_projections) {
     const EnvironmentMap white = constant(from, 8, 1);
-    const PrefilterSource source(white);
-    for (const auto& [shape, parameter] : {std::pair(Shape::phong, 0.0),
-                                           {Shape::phong, 1e-9},
-                                           {Shape::phong, 1.0},
-                                           {Shape::phong, 1e3},
-                                           {Shape::phong, 1e8},
-                                           {Shape::ggx, 0.0},
-                                           {Shape::ggx, 1e-3},
-                                           {Shape::ggx, 0.5},
-                                           {Shape::ggx, 1.0},
-                                           {Shape::diffuse, unset_parameter}}) {
-      const Prefiltered made =
-          source.make({.shape = shape, .parameter = parameter, .size = 2, .method = Method::exact});
+    const Prefilterer source(white);
+    for (const auto& [shape, parameter] : {std::pair(LobeShape::phong, 0.0),
+                                           {LobeShape::phong, 1e-9},
+                                           {LobeShape::phong, 1.0},
+                                           {LobeShape::phong, 1e3},
+                                           {LobeShape::phong, 1e8},
+                                           {LobeShape::ggx, 0.0},
+                                           {LobeShape::ggx, 1e-3},
+                                           {LobeShape::ggx, 0.5},
+                                           {LobeShape::ggx, 1.0},
+                                           {LobeShape::diffuse, unset_parameter}}) {
+      const Prefiltered made = source.make({.lobe = Lobe(shape, parameter), .size = 2, .method = Method::exact});
       const auto [least, most] = extremes::range(made.map.base());
       EXPECT_NEAR(least, 1, 1e-6) << name(from) << " " << parameter;
       EXPECT_NEAR(most, 1, 1e-6) << name(from) << " " << parameter;
@@ -144,8 +143,7 @@ TEST(Lobes, OfExponent1e8IsAMirror) {
   const int n = 8;  // Texels of 0.2 rad; odd multiples of their halves look at middles.
   for (const Method method : {Method::exact, Method::automatic}) {
     const EnvironmentMap map = generate(Directions{}, Projection::cube, n);
-    const Prefiltered made =
-        PrefilterSource(map).make({.shape = Shape::phong, .parameter = 1e8, .size = n, .method = method});
+    const Prefiltered made = Prefilterer(map).make({.lobe = Lobe::phong(1e8), .size = n, .method = method});
     EXPECT_LE(made.error, 1e-3);
     EXPECT_LT(compare(made.map.base(), map.base()).maximum, method == Method::exact ? 1e-6 : 1e-3);
   }

@@ -36,8 +36,8 @@ TEST(Sizes, OneTexelAFace) {
                 << name(to) << ", " << filter.name;
         }
     for (const auto& [shape, parameter] :
-         {std::pair(Shape::diffuse, unset_parameter), {Shape::phong, 1.0}, {Shape::ggx, 1.0}}) {
-      const Prefiltered made = PrefilterSource(map).make({.shape = shape, .parameter = parameter, .size = 1});
+         {std::pair(LobeShape::diffuse, unset_parameter), {LobeShape::phong, 1.0}, {LobeShape::ggx, 1.0}}) {
+      const Prefiltered made = Prefilterer(map).make({.lobe = Lobe(shape, parameter), .size = 1});
       for (const Texel& t : texels_of(made.map.base()))
         EXPECT_NEAR(made.map.base().texel(t.face, t.i, t.j)->y, 0.7, 1e-3 * 0.7);
     }

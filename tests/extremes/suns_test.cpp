@@ -120,10 +120,10 @@ TEST(Suns, Harmonics) {
 // error, 1e-3 at most, relative to the texel (that of the mean where the texel is below a thousandth of it).
 TEST(Suns, PrefiltersKeepToTheRange) {
   for (const auto& [shape, parameter] :
-       {std::pair(Shape::diffuse, unset_parameter), {Shape::phong, 50.0}, {Shape::ggx, 0.5}})
+       {std::pair(LobeShape::diffuse, unset_parameter), {LobeShape::phong, 50.0}, {LobeShape::ggx, 0.5}})
     for_each_sun(6, [&](const EnvironmentMap& map, const std::string& what, const Texel&, float sun) {
-      SCOPED_TRACE(what + ", " + std::string(shape_names[std::size_t(shape)]));
-      const Prefiltered made = PrefilterSource(map).make({.shape = shape, .parameter = parameter, .size = 2});
+      SCOPED_TRACE(what + ", " + std::string(lobe_shape_names[std::size_t(shape)]));
+      const Prefiltered made = Prefilterer(map).make({.lobe = Lobe(shape, parameter), .size = 2});
       EXPECT_LE(made.error, 1e-3);
       const auto [least, most] = extremes::range(made.map.base());
       EXPECT_GE(least, 1 - 1e-3 - 1e-6 * mean_radiance(map.base()));
@@ -138,8 +138,7 @@ TEST(Suns, OppositeHalvesSumToTheFlux) {
   for_each_sun(8, [](const EnvironmentMap& map, const std::string& what, const Texel&, float) {
     SCOPED_TRACE(what);
     const int n = 2;
-    const Prefiltered made =
-        PrefilterSource(map).make({.shape = Shape::phong, .parameter = 0, .size = n, .method = Method::exact});
+    const Prefiltered made = Prefilterer(map).make({.lobe = Lobe::phong(0), .size = n, .method = Method::exact});
     const auto sum = [&](int i, int j) {  // On +X and -X: (1,t,s) and (-1,-t,-s).
       return double{made.map.base().texel(0, i, j)->x} + double{made.map.base().texel(1, i, n - 1 - j)->x};
     };

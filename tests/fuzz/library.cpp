@@ -76,18 +76,19 @@ EnvironmentMap map_of(Values& v) {
   return map;
 }
 
-Prefilter prefilter_of(Values& v) {
-  Prefilter p{.shape = v.of(Shape::charlie),
-              .parameter = v.number(),
-              .scale = v.maybe(v.number()),
-              .to = v.projection(),
-              .size = v.integer(),
-              .forward = v.of(Forward::minus_x),
-              .method = v.of(Method::multilevel),
-              .rows = std::vector<char>(v.seldom() ? v.byte() : 0, 1),
-              .max_error = v.number()};
-  if (p.shape == Shape::diffuse && v.flag()) p.parameter = unset_parameter;
-  return p;
+Lobe lobe_of(Values& v) {
+  const LobeShape shape = v.of(LobeShape::charlie);
+  return shape == LobeShape::diffuse && v.flag() ? Lobe(shape) : Lobe(shape, v.number());
+}
+
+PrefilterOptions prefilter_of(Values& v) {
+  return {.scale = v.maybe(v.number()),
+          .to = v.projection(),
+          .size = v.integer(),
+          .forward = v.of(Forward::minus_x),
+          .method = v.of(Method::multilevel),
+          .rows = std::vector<char>(v.seldom() ? v.byte() : 0, 1),
+          .max_error = v.number()};
 }
 
 ConvertOptions convert_of(Values& v) {
@@ -178,27 +179,33 @@ void generate_map(Values& v) {
 }
 
 void prefilter_chain(Values& v) {
-  const PrefilterSource source(map_of(v));
-  const std::vector<double> parameters(v.byte() % 4, v.number());
-  (void)source.make_chain(prefilter_of(v), parameters);
+  const Prefilterer source(map_of(v));
+  const std::vector<Lobe> lobes(v.byte() % 4, lobe_of(v));
+  (void)source.make_chain(lobes, prefilter_of(v));
 }
 
 }  // namespace
 
 void fuzz_library(Bytes bytes) {
   Values v(bytes);
-  const std::array<std::function<void(Values&)>, 11> calls{
-      [](Values& w) { (void)convert(map_of(w), convert_of(w), {.threads = w.seldom() ? w.integer() : 0}); },
-      [](Values& w) { (void)PrefilterSource(map_of(w)).make(prefilter_of(w)); },
-      prefilter_chain,
-      write_and_read,
-      look_up,
-      evaluate_harmonics,
-      measure_map,
-      take_pictures,
-      make_levels,
-      make_tables,
-      generate_map};
+  const std::array<std::function<void(Values&)>, 11> calls{[](Values& w) {
+                                                             (void)convert(map_of(w), convert_of(w),
+                                                                           {.threads = w.seldom() ? w.integer() : 0});
+                                                           },
+                                                           [](Values& w) {
+                                                             PrefilterOptions options = prefilter_of(w);
+                                                             options.lobe = lobe_of(w);
+                                                             (void)Prefilterer(map_of(w)).make(options);
+                                                           },
+                                                           prefilter_chain,
+                                                           write_and_read,
+                                                           look_up,
+                                                           evaluate_harmonics,
+                                                           measure_map,
+                                                           take_pictures,
+                                                           make_levels,
+                                                           make_tables,
+                                                           generate_map};
   try {
     calls[v.byte() % calls.size()](v);
   } catch (const Error& e) {

@@ -45,7 +45,7 @@ void refuse_others(const std::string& field, const Call& call) {
 }
 
 TEST(Enumerators, OfMapsAndOperations) {
-  const PrefilterSource source(sky());
+  const Prefilterer source(sky());
   refuse_others<Projection>("projection", [](Projection p) { (void)Level(p, 4); });
   refuse_others<Projection>("projection", [](Projection p) { (void)name(p); });
   refuse_others<Projection>("projection", [](Projection p) { (void)convert(sky(), {.to = p}); });
@@ -78,8 +78,7 @@ TEST(Enumerators, OfMapsAndOperations) {
                             [](Scattering s) { (void)generate(Atmosphere{.scattering = s}, Projection::cube, 4); });
   refuse_others<CameraModel>("lens", [](CameraModel m) { (void)photograph(sky().clone(), {.lens = m}); });
   refuse_others<Filter>("filter", [](Filter f) { (void)photograph(sky().clone(), {.filter = f}); });
-  refuse_others<Shape>("shape", [&](Shape s) { (void)source.make({.shape = s, .size = 4}); });
-  refuse_others<Shape>("shape", [](Shape s) { (void)lobe_of({.shape = s}); });
+  refuse_others<LobeShape>("shape", [](LobeShape s) { (void)Lobe(s); });
   refuse_others<Method>("method", [&](Method m) { (void)source.make({.size = 4, .method = m}); });
 }
 
@@ -235,11 +234,9 @@ TEST(Lookups, RefuseNan) {
 }
 
 TEST(Parameters, OfLobesAreNamedAsTheField) {
-  const PrefilterSource source(sky());
-  refuses("ggx needs a parameter, its roughness", [&] { (void)source.make({.shape = Shape::ggx, .size = 4}); });
-  refuses("phong needs a parameter, its exponent", [&] { (void)source.make({.shape = Shape::phong, .size = 4}); });
-  refuses("diffuse takes no parameter: leave it unset, not 0.5",
-          [&] { (void)source.make({.parameter = 0.5, .size = 4}); });
+  refuses("ggx needs a parameter, its roughness", [] { (void)Lobe(LobeShape::ggx); });
+  refuses("phong needs a parameter, its exponent", [] { (void)Lobe(LobeShape::phong); });
+  refuses("diffuse takes no parameter: leave it unset, not 0.5", [] { (void)Lobe(LobeShape::diffuse, 0.5); });
 }
 
 }  // namespace

@@ -60,24 +60,22 @@ std::vector<Call> of_convert() {
 
 std::vector<Call> of_prefilter() {
   std::vector<Call> calls;
-  const auto with = [](const Prefilter& p) { (void)PrefilterSource(sky()).make(p); };
-  for (const Shape shape : {Shape::diffuse, Shape::phong, Shape::ggx})
-    add(calls, "prefilter", "size", bad_sizes, [=](int v) { with({.shape = shape, .parameter = 1, .size = v}); });
+  const auto with = [](const PrefilterOptions& p) { (void)Prefilterer(sky()).make(p); };
+  for (const Lobe& lobe : {Lobe::diffuse(), Lobe::phong(1), Lobe::ggx(1)})
+    add(calls, "prefilter", "size", bad_sizes, [=](int v) { with({.lobe = lobe, .size = v}); });
   add(calls, "prefilter", "max_error", bad_errors, [=](double v) { with({.size = 4, .max_error = v}); });
   add(calls, "prefilter", "scale", bad_gains, [=](double v) { with({.scale = v, .size = 4}); });
   calls.push_back({"prefilter overflow",
                    [] {
                      const EnvironmentMap bright = generate(Constant{Rgb<double>(1e30)}, Projection::latlong, 4);
-                     (void)PrefilterSource(bright).make({.scale = 1e30, .size = 4});
+                     (void)Prefilterer(bright).make({.scale = 1e30, .size = 4});
                    },
                    "largest float, at a scale of 1e+30"});
-  for (const Shape shape : {Shape::phong, Shape::blinn_phong})
-    add(calls, "prefilter", "parameter", std::vector<double>{-1, inf, 2e9},
-        [=](double v) { with({.shape = shape, .parameter = v, .size = 4}); });
-  for (const Shape shape : {Shape::ggx, Shape::charlie}) {
-    add(calls, "prefilter", "parameter", std::vector<double>{-0.1, inf, 2},
-        [=](double v) { with({.shape = shape, .parameter = v, .size = 4}); });
-    calls.push_back({"prefilter without a parameter", [=] { with({.shape = shape, .size = 4}); }, "needs a parameter"});
+  for (const LobeShape shape : {LobeShape::phong, LobeShape::blinn_phong})
+    add(calls, "lobe", "parameter", std::vector<double>{-1, inf, 2e9}, [=](double v) { (void)Lobe(shape, v); });
+  for (const LobeShape shape : {LobeShape::ggx, LobeShape::charlie}) {
+    add(calls, "lobe", "parameter", std::vector<double>{-0.1, inf, 2}, [=](double v) { (void)Lobe(shape, v); });
+    calls.push_back({"lobe without a parameter", [=] { (void)Lobe(shape); }, "needs a parameter"});
   }
   for (const std::size_t length : {1, 23, 25})
     calls.push_back({"prefilter rows", [=] { with({.size = 4, .rows = std::vector<char>(length)}); }, "24 flags"});
@@ -107,7 +105,7 @@ std::vector<Call> of_measures() {
     add(calls, "factors", "order", std::vector{-1, 201}, [=](int v) { (void)f(v); });
   add(calls, "laplacian_window", "lambda", std::vector<double>{-1, nan, inf},
       [](double v) { (void)laplacian_window(2, v); });
-  add(calls, "zonal", "order", std::vector{-1}, [](int v) { (void)zonal(Cosine{}, v); });
+  add(calls, "zonal", "order", std::vector{-1}, [](int v) { (void)zonal(Lobe::diffuse(), v); });
   add(calls, "weakest_window", "order", std::vector{-1, 21}, [](int v) {
     (void)weakest_window({v, std::vector<Flux>(484)});
   });
@@ -249,17 +247,16 @@ std::vector<Call> of_engines() {
   const EngineMap& chain = chain_of(engine_named("filament"));
   add(calls, "level_roughnesses", "size", bad_sizes, [&chain](int v) { (void)level_roughnesses(chain, v); });
   calls.push_back({"level_roughnesses", [&chain] { (void)level_roughnesses(chain, 4, 5); }, "has 5 levels"});
-  const auto chained = [](const Prefilter& p, std::vector<double> parameters) {
-    (void)PrefilterSource(sky()).make_chain(p, parameters);
+  const auto chained = [](std::vector<double> roughnesses, const PrefilterOptions& p) {
+    (void)Prefilterer(sky()).make_chain(lobes_of(LobeShape::ggx, roughnesses), p);
   };
-  calls.push_back({"make_chain", [=] { chained({.shape = Shape::ggx}, {}); }, "parameters must not be empty"});
-  calls.push_back({"make_chain rows",
-                   [=] { chained({.shape = Shape::ggx, .size = 4, .rows = std::vector<char>(24)}, {0.5}); },
-                   "rows must be empty"});
-  add(calls, "make_chain", "parameter", std::vector<double>{-1, 2}, [=](double v) {
-    chained({.shape = Shape::ggx, .size = 4}, {0.5, v});
-  });
-  add(calls, "make_chain", "size", bad_sizes, [=](int v) { chained({.shape = Shape::ggx, .size = v}, {0.5}); });
+  calls.push_back({"make_chain", [=] { chained({}, {}); }, "lobes must not be empty"});
+  calls.push_back(
+      {"make_chain rows", [=] { chained({0.5}, {.size = 4, .rows = std::vector<char>(24)}); }, "rows must be empty"});
+  calls.push_back({"make_chain lobe", [=] { chained({0.5}, {.lobe = Lobe::ggx(0.5), .size = 4}); },
+                   "the lobes of a chain are those of its levels"});
+  add(calls, "make_chain", "parameter", std::vector<double>{-1, 2}, [=](double v) { chained({0.5, v}, {.size = 4}); });
+  add(calls, "make_chain", "size", bad_sizes, [=](int v) { chained({0.5}, {.size = v}); });
   return calls;
 }
 
@@ -317,7 +314,7 @@ TEST(BadValues, AnEmptyMapIsAUsageError) {
   EXPECT_THROW((void)none.projection(), UsageError);
   EXPECT_THROW((void)none.frame(), UsageError);
   EXPECT_THROW((void)convert(none, {}), UsageError);
-  EXPECT_THROW(PrefilterSource{none}, UsageError);
+  EXPECT_THROW(Prefilterer{none}, UsageError);
   EXPECT_THROW((void)project(none, 2), UsageError);
   EXPECT_THROW((void)measure(none), UsageError);
   EXPECT_THROW((void)compare(none, sky()), UsageError);
@@ -338,7 +335,7 @@ TEST(BadValues, OperationsRefuseNanAndInfinity) {
     const std::vector<std::function<void()>> calls{
         [&] { (void)convert(map, {.size = 4}); },
         [&] { (void)convert(map, {}); },
-        [&] { PrefilterSource source(map); },
+        [&] { Prefilterer source(map); },
         [&] { (void)project(map, 2); },
         [&] {
           EnvironmentMap copy = map.clone();
@@ -371,7 +368,7 @@ TEST(BadValues, OperationsRefuseNanAndInfinity) {
 TEST(BadValues, PrefilteringRefusesNegativeRadiance) {
   EnvironmentMap map = sky().clone();
   map.base().texel(0, 3, 2)->y = -1;
-  EXPECT_THROW(PrefilterSource{map}, InputError);
+  EXPECT_THROW(Prefilterer{map}, InputError);
   EXPECT_NO_THROW((void)convert(map, {.size = 4}));
 }
 

@@ -25,18 +25,18 @@ struct Operation {
 std::vector<Operation> operations() {
   static const EnvironmentMap sky = generate(Sun{.radius_degrees = 2}, Projection::latlong, 512);
   static const EnvironmentMap ball = generate(Sun{.radius_degrees = 2}, Projection::sphere, 1024);
-  static const PrefilterSource source(sky);
-  const auto lobe = [](Shape shape, double parameter, int size, double error) {
+  static const Prefilterer source(sky);
+  const auto lobe = [](LobeShape shape, double parameter, int size, double error) {
     return [=](const Run& run) {
-      (void)source.make({.shape = shape, .parameter = parameter, .size = size, .max_error = error}, run);
+      (void)source.make({.lobe = Lobe(shape, parameter), .size = size, .max_error = error}, run);
     };
   };
   return {
-      {"a source's cube", [](const Run& run) { (void)PrefilterSource(ball, run); }},
-      {"charlie", lobe(Shape::charlie, 0.3, 256, 1e-3)},
-      {"ggx .3", lobe(Shape::ggx, 0.3, 1024, 1e-5)},
-      {"ggx .1", lobe(Shape::ggx, 0.1, 1024, 1e-5)},
-      {"phong 20", lobe(Shape::phong, 20, 1024, 1e-5)},
+      {"a source's cube", [](const Run& run) { (void)Prefilterer(ball, run); }},
+      {"charlie", lobe(LobeShape::charlie, 0.3, 256, 1e-3)},
+      {"ggx .3", lobe(LobeShape::ggx, 0.3, 1024, 1e-5)},
+      {"ggx .1", lobe(LobeShape::ggx, 0.1, 1024, 1e-5)},
+      {"phong 20", lobe(LobeShape::phong, 20, 1024, 1e-5)},
       {"a chosen filter",
        [](const Run& run) {
          (void)Resampler(sky, {.to = Projection::octahedral, .size = 2000, .max_error = 1e-7}, run);
@@ -84,12 +84,11 @@ TEST(Cancel, EndsSoon) {
 }
 
 TEST(Cancel, EndsACallThatWaitsForItsTurn) {
-  const PrefilterSource source(generate(Sun{.radius_degrees = 2}, Projection::latlong, 512));
+  const Prefilterer source(generate(Sun{.radius_degrees = 2}, Projection::latlong, 512));
   std::stop_source first, second;
   std::thread working([&] {
     try {
-      (void)source.make({.shape = Shape::ggx, .parameter = 0.3, .size = 1024, .max_error = 1e-5},
-                        {.stop = first.get_token()});
+      (void)source.make({.lobe = Lobe::ggx(0.3), .size = 1024, .max_error = 1e-5}, {.stop = first.get_token()});
     } catch (const Cancelled&) {
     }
   });

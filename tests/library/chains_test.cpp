@@ -56,14 +56,14 @@ TEST(Chains, HaveOneRule) {
 
 TEST(Chains, OfLobesEndAtOneTexel) {
   const EnvironmentMap source = sky(Projection::cube, 8);
-  const PrefilterSource from(source);
-  const std::vector<double> rough(5, 0.5);
-  refuses("8x8 has at most 4 levels, not 5", [&] { (void)from.make_chain({.shape = Shape::ggx, .size = 8}, rough); });
-  const PrefilteredChain made = from.make_chain({.shape = Shape::ggx, .size = 8}, std::vector<double>(4, 0.5));
+  const Prefilterer from(source);
+  const std::vector<Lobe> rough(5, Lobe::ggx(0.5));
+  refuses("8x8 has at most 4 levels, not 5", [&] { (void)from.make_chain(rough, {.size = 8}); });
+  const PrefilteredChain made = from.make_chain(std::span(rough).first(4), {.size = 8});
   EXPECT_NO_THROW((void)pack(made.map));
   // 45x22 is what halves 90x45, and no latlong map.
-  const Prefilter odd{.shape = Shape::ggx, .to = Projection::latlong, .size = 45};
-  refuses("level 1 is 44x22, not 45x22", [&] { (void)from.make_chain(odd, std::vector<double>(2, 0.5)); });
+  const PrefilterOptions odd{.to = Projection::latlong, .size = 45};
+  refuses("level 1 is 44x22, not 45x22", [&] { (void)from.make_chain(std::span(rough).first(2), odd); });
 }
 
 TEST(Chains, HaveLevelsOfTheirProjection) {

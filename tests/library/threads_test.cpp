@@ -31,10 +31,12 @@ EnvironmentMap sun(int size) { return generate(Sun{.radius_degrees = 5}, Project
 // A map that is given away lives as long as what reads it. Under the address sanitizer this fails where it does not.
 TEST(Ownership, WhatIsGivenAwayIsKept) {
   const EnvironmentMap map = sun(32);
-  const PrefilterSource lent(map), given(sun(32));
+  const Prefilterer copied(sun(32)), lent(borrowed(map)), given(std::make_shared<const EnvironmentMap>(sun(32)));
   for (const double roughness : {0.05, 0.3, 1.0}) {
-    const Prefilter wanted{.shape = Shape::ggx, .parameter = roughness, .size = 8};
-    EXPECT_TRUE(same(lent.make(wanted).map, given.make(wanted).map)) << roughness;
+    const PrefilterOptions wanted{.lobe = Lobe::ggx(roughness), .size = 8};
+    const EnvironmentMap made = lent.make(wanted).map;
+    EXPECT_TRUE(same(made, given.make(wanted).map)) << roughness;
+    EXPECT_TRUE(same(made, copied.make(wanted).map)) << roughness;
   }
   const auto first = [](const Rows& rows) {
     std::vector<Colour> row(std::size_t(rows.width()));
@@ -51,19 +53,18 @@ TEST(Ownership, WhatIsGivenAwayIsKept) {
 }
 
 TEST(Threads, ShareAPrefilterSource) {
-  const PrefilterSource source(sun(16));
-  std::vector<Prefilter> lobes;
+  const Prefilterer source(sun(16));
+  std::vector<PrefilterOptions> lobes;
   for (const Method method : {Method::automatic, Method::treecode})
     for (const double exponent : {1.0, 2.0, 20.0, 100.0})
-      lobes.push_back({.shape = Shape::phong, .parameter = exponent, .size = 8, .method = method});
-  for (const double roughness : {0.05, 0.3, 0.9})
-    lobes.push_back({.shape = Shape::ggx, .parameter = roughness, .size = 8});
+      lobes.push_back({.lobe = Lobe::phong(exponent), .size = 8, .method = method});
+  for (const double roughness : {0.05, 0.3, 0.9}) lobes.push_back({.lobe = Lobe::ggx(roughness), .size = 8});
   std::vector<EnvironmentMap> wanted;
-  for (const Prefilter& p : lobes) wanted.push_back(source.make(p).map);
+  for (const PrefilterOptions& p : lobes) wanted.push_back(source.make(p).map);
   // Nothing depends on what was made before.
   std::atomic<int> wrong{0};
-  const PrefilterSource fresh(sun(16));
-  const auto make_of = [&](const PrefilterSource& from, std::size_t k) {
+  const Prefilterer fresh(sun(16));
+  const auto make_of = [&](const Prefilterer& from, std::size_t k) {
     k %= lobes.size();
     wrong += compare(from.make(lobes[k]).map, wanted[k]).maximum != 0;
   };
@@ -85,7 +86,7 @@ using Operation = std::function<void(const Run&)>;
 
 std::vector<Operation> operations() {
   static const EnvironmentMap map = sun(64);
-  static const PrefilterSource source(map);
+  static const Prefilterer source(map);
   return {
       [](const Run& p) { (void)convert(map, {.size = 48, .filter = Filter::area}, p); },
       [](const Run& p) { (void)generate(Checker{}, Projection::cube, 64, p); },
@@ -93,11 +94,11 @@ std::vector<Operation> operations() {
       [](const Run& p) { (void)brdf_table(48, p); },
       [](const Run& p) { (void)sheen_table(48, p); },
       [](const Run& p) { (void)source.make({.size = 16}, p); },
-      [](const Run& p) { (void)source.make({.shape = Shape::ggx, .parameter = 0.4, .size = 16}, p); },
-      [](const Run& p) { (void)source.make({.shape = Shape::ggx, .parameter = 0.0, .size = 16}, p); },
-      [](const Run& p) { (void)source.make({.shape = Shape::charlie, .parameter = 0.5, .size = 8}, p); },
+      [](const Run& p) { (void)source.make({.lobe = Lobe::ggx(0.4), .size = 16}, p); },
+      [](const Run& p) { (void)source.make({.lobe = Lobe::ggx(0.0), .size = 16}, p); },
+      [](const Run& p) { (void)source.make({.lobe = Lobe::charlie(0.5), .size = 8}, p); },
       [](const Run& p) {
-        (void)source.make_chain({.shape = Shape::ggx, .size = 16}, std::vector{0.0, 0.3, 1.0}, p);
+        (void)source.make_chain(std::vector{Lobe::ggx(0), Lobe::ggx(0.3), Lobe::ggx(1)}, {.size = 16}, p);
       },
       [](const Run& p) { (void)photograph(map.clone(), {.width = 32, .height = 32}, p); },
       [](const Run& p) { (void)read(encode(map, {.format = "exr"}), {}, p); },

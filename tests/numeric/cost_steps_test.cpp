@@ -17,14 +17,14 @@ struct Family {
   const char* name;
   double least, most;
   double most_ratio;
-  std::function<Lobe(double)> lobe;
+  std::function<LobeFormula(double)> lobe;
 };
 // The grids of ggx are powers of two, so that the levels of a chain share them: one more costs a small map almost
 // twice.
-const std::array families{Family{"ggx", 0.02, 1, 2, [](double x) { return Lobe(Ggx(x)); }},
-                          Family{"phong", 5, 1e6, 1.7, [](double x) { return Lobe(Phong{x}); }},
-                          Family{"blinn-phong", 1, 1e6, 1.7, [](double x) { return Lobe(BlinnPhong(x)); }},
-                          Family{"charlie", 0.1, 1, 1.7, [](double x) { return Lobe(Charlie(x)); }}};
+const std::array families{Family{"ggx", 0.02, 1, 2, [](double x) { return LobeFormula(Ggx(x)); }},
+                          Family{"phong", 5, 1e6, 1.7, [](double x) { return LobeFormula(Phong{x}); }},
+                          Family{"blinn-phong", 1, 1e6, 1.7, [](double x) { return LobeFormula(BlinnPhong(x)); }},
+                          Family{"charlie", 0.1, 1, 1.7, [](double x) { return LobeFormula(Charlie(x)); }}};
 
 // What makes a method another one, whose cost is its own: the near field, prefix sums at the horizon, and the widths
 // of texels over which the near field of a power is interpolated.

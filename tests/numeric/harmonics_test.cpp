@@ -96,7 +96,7 @@ TEST(Harmonics, OfAWhiteMapAreExact) {
 }
 
 TEST(Harmonics, IrradianceFactorsAreThoseOfThePaperAndOfTheLobe) {
-  const std::vector<double> a = irradiance_factors(8), z = zonal(Cosine{}, 8);
+  const std::vector<double> a = irradiance_factors(8), z = zonal(Lobe::diffuse(), 8);
   const double truth[] = {pi, 2 * pi / 3, pi / 4, 0, -pi / 24, 0, pi / 64};
   for (std::size_t k = 0; k < 7; ++k) EXPECT_NEAR(a[k], truth[k], 1e-12) << k;
   for (std::size_t k = 0; k < 9; ++k) EXPECT_NEAR(a[k], pi * z[k], 1e-9) << k;
@@ -105,12 +105,12 @@ TEST(Harmonics, IrradianceFactorsAreThoseOfThePaperAndOfTheLobe) {
 TEST(Harmonics, ZonalFactorsOfPhong) {
   // Of cos^m: 1, (m+1)/(m+2), and for P_2 (3 (m+1)/(m+3) - 1) / 2.
   for (const double m : {0.0, 0.5, 5.0, 1e3, 1e6}) {
-    const std::vector<double> z = zonal(Phong{m}, 2);
+    const std::vector<double> z = zonal(Lobe::phong(m), 2);
     EXPECT_NEAR(z[0], 1, 1e-9) << m;
     EXPECT_NEAR(z[1], (m + 1) / (m + 2), 1e-9) << m;
     EXPECT_NEAR(z[2], (3 * (m + 1) / (m + 3) - 1) / 2, 1e-9) << m;
   }
-  for (const double r : {0.0, 0.1, 0.5, 0.99, 1.0}) EXPECT_NEAR(zonal(Ggx(r), 2)[0], 1, 1e-6) << r;
+  for (const double r : {0.0, 0.1, 0.5, 0.99, 1.0}) EXPECT_NEAR(zonal(Lobe::ggx(r), 2)[0], 1, 1e-6) << r;
 }
 
 TEST(Harmonics, WindowsLeaveTheMean) {
@@ -177,9 +177,9 @@ TEST(Harmonics, ASoftEnvironmentNeedsNoWindow) {
 TEST(Harmonics, IsTheDiffuseMapOfASoftEnvironment) {
   const EnvironmentMap map = generate(Harmonic{2, 1, 1, 0.5}, Projection::cube, 64);
   Harmonics h = project(map, 4);
-  scale_degrees(h, zonal(Cosine{}, 4));
+  scale_degrees(h, zonal(Lobe::diffuse(), 4));
   const EnvironmentMap series = evaluate(h, Projection::cube, 8, Forward::plus_z);
-  const Prefiltered tree = PrefilterSource(map).make({.size = 8, .max_error = 1e-4});
+  const Prefiltered tree = Prefilterer(map).make({.size = 8, .max_error = 1e-4});
   EXPECT_LT(compare(series.base(), tree.map.base()).maximum, 1e-3);
 }
 

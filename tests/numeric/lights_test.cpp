@@ -279,13 +279,12 @@ TEST(Lights, ErrorsAreBelowTheirBound) {
   constexpr double roughness = 0.4;
   const LightError bound = light_error(map, found, roughness);
   const Ggx ggx(roughness);
-  const PrefilterSource whole(map), rest(remainder);
+  const Prefilterer whole(map), rest(remainder);
   for (const bool diffuse : {true, false}) {
-    Prefilter wanted{.shape = diffuse ? Shape::diffuse : Shape::ggx,
-                     .to = Projection::cube,
-                     .size = 24,
-                     .max_error = 1e-4};
-    if (!diffuse) wanted.parameter = roughness;
+    PrefilterOptions wanted{.lobe = diffuse ? Lobe::diffuse() : Lobe::ggx(roughness),
+                            .to = Projection::cube,
+                            .size = 24,
+                            .max_error = 1e-4};
     const EnvironmentMap a = whole.make(wanted).map, b = rest.make(wanted).map;
     double worst = 0, largest = 0;
     for (const Texel& t : texels_of(a.base())) {

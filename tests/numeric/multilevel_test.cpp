@@ -20,10 +20,10 @@ using namespace envmap;
 using namespace envmap::prefiltering;
 
 struct Case {
-  Shape shape;
+  LobeShape shape;
   double parameter;
 };
-std::string words(const Case& c) { return fmt::format("{} {}", shape_names[std::size_t(c.shape)], c.parameter); }
+std::string words(const Case& c) { return fmt::format("{} {}", lobe_shape_names[std::size_t(c.shape)], c.parameter); }
 
 // @param radiance of face, column, row and channel.
 EnvironmentMap made(Projection projection, int size,
@@ -68,7 +68,7 @@ constexpr int field_rows = 128;
 
 // Each sum against the exact one. @param rows of the finest grid: the fewer, the more texels are in the core. @param
 // at_nodes rows of the finest grid that is summed at its nodes.
-void expect_bounds(const EnvironmentMap& map, const Lobe& lobe, double error, std::span<const Direction> some,
+void expect_bounds(const EnvironmentMap& map, const LobeFormula& lobe, double error, std::span<const Direction> some,
                    const std::string& what, int rows = 0, int at_nodes = field_rows) {
   // A power is cut off many widths away, and so sees more texels: it has twice the rows.
   const bool power = std::holds_alternative<Phong>(lobe) || std::holds_alternative<BlinnPhong>(lobe);
@@ -95,12 +95,12 @@ void expect_bounds(const EnvironmentMap& map, const Lobe& lobe, double error, st
   }
 }
 
-const Case cases[] = {{Shape::ggx, 0.001},      {Shape::ggx, 0.02},         {Shape::ggx, 0.12},
-                      {Shape::ggx, 0.15},       {Shape::ggx, 0.3},          {Shape::ggx, 0.6},
-                      {Shape::ggx, 0.9},        {Shape::phong, 4},          {Shape::phong, 5.5},
-                      {Shape::phong, 20},       {Shape::phong, 2000},       {Shape::phong, 1e5},
-                      {Shape::phong, 1e8},      {Shape::blinn_phong, 2},    {Shape::blinn_phong, 5},
-                      {Shape::blinn_phong, 60}, {Shape::blinn_phong, 5000}, {Shape::blinn_phong, 1e6}};
+const Case cases[] = {{LobeShape::ggx, 0.001},      {LobeShape::ggx, 0.02},         {LobeShape::ggx, 0.12},
+                      {LobeShape::ggx, 0.15},       {LobeShape::ggx, 0.3},          {LobeShape::ggx, 0.6},
+                      {LobeShape::ggx, 0.9},        {LobeShape::phong, 4},          {LobeShape::phong, 5.5},
+                      {LobeShape::phong, 20},       {LobeShape::phong, 2000},       {LobeShape::phong, 1e5},
+                      {LobeShape::phong, 1e8},      {LobeShape::blinn_phong, 2},    {LobeShape::blinn_phong, 5},
+                      {LobeShape::blinn_phong, 60}, {LobeShape::blinn_phong, 5000}, {LobeShape::blinn_phong, 1e6}};
 
 #ifdef __SANITIZE_ADDRESS__  // Sums are those of the optimised build. Here memory is looked at.
 const std::pair<double, int> errors_and_sizes[] = {{1e-3, 16}};
@@ -119,7 +119,7 @@ TEST(Multilevel, LoneLightsStayWithinTheirBounds) {
             made(size, [&, x = i, y = j](int a, int b, int ch) { return a == x && b == y && ch != 1 ? 1e9F : 0.F; });
         std::vector<Direction> light(1);
         texel_directions(Projection::latlong, size, 0, j, i, light);
-        expect_bounds(map, lobe_of({.shape = c.shape, .parameter = c.parameter}), error, around(light[0], directions),
+        expect_bounds(map, formula_of(Lobe(c.shape, c.parameter)), error, around(light[0], directions),
                       fmt::format("{}, {:g}, light {} {} of {}", words(c), error, i, j, size));
       }
     }
@@ -128,10 +128,10 @@ TEST(Multilevel, LoneLightsStayWithinTheirBounds) {
 // Texels far from the middle of a core are summed over fewer points.
 TEST(Multilevel, CoresOfManyTexelsStayWithinTheirBounds) {
   const std::pair<Projection, int> sources[] = {{Projection::latlong, 360}, {Projection::cube, 180}};
-  for (const Case& c :
-       {Case{Shape::ggx, 0.001}, Case{Shape::ggx, 0.02}, Case{Shape::ggx, 0.05}, Case{Shape::phong, 900},
-        Case{Shape::phong, 3000}, Case{Shape::phong, 2e4}, Case{Shape::phong, 4e4}, Case{Shape::phong, 1e5},
-        Case{Shape::blinn_phong, 5000}, Case{Shape::blinn_phong, 6e4}})
+  for (const Case& c : {Case{LobeShape::ggx, 0.001}, Case{LobeShape::ggx, 0.02}, Case{LobeShape::ggx, 0.05},
+                        Case{LobeShape::phong, 900}, Case{LobeShape::phong, 3000}, Case{LobeShape::phong, 2e4},
+                        Case{LobeShape::phong, 4e4}, Case{LobeShape::phong, 1e5}, Case{LobeShape::blinn_phong, 5000},
+                        Case{LobeShape::blinn_phong, 6e4}})
     for (const auto& [to, size] : sources)
       for (const auto& [i, j] : {std::pair{0, 0}, {size - 1, size / 2}, {size / 3, size / 4}})
         for (const double error : {1e-3, 4e-4, 1e-4}) {
@@ -140,7 +140,7 @@ TEST(Multilevel, CoresOfManyTexelsStayWithinTheirBounds) {
           });
           std::vector<Direction> light(1);
           texel_directions(to, size, 0, j, i, light);
-          expect_bounds(map, lobe_of({.shape = c.shape, .parameter = c.parameter}), error, around(light[0], directions),
+          expect_bounds(map, formula_of(Lobe(c.shape, c.parameter)), error, around(light[0], directions),
                         fmt::format("{}, {:g}, light {} {} of {} {}", words(c), error, i, j, name(to), size), 128);
         }
 }
@@ -182,7 +182,7 @@ TEST(Multilevel, TailsOfPowersStayWithinTheirBounds) {
           tail.push_back(
               unit(std::cos(angle) * light[0] + std::sin(angle) * (std::cos(turn) * side + std::sin(turn) * other)));
         }
-        expect_bounds(map, lobe_of({.shape = Shape::phong, .parameter = exponent}), error, tail,
+        expect_bounds(map, formula_of(Lobe::phong(exponent)), error, tail,
                       fmt::format("phong {:g}, {:g}, {} of {}", exponent, error, name(to), size), 2048,
                       rows == 512 ? 512 : field_rows);
       }
@@ -199,7 +199,7 @@ TEST(Multilevel, LoneLightsOfCubesStayWithinTheirBounds) {
         std::vector<Direction> light(1);
         texel_directions(Projection::cube, size, face, j, i, light);
         const double error = size == 16 ? 1e-3 : 1e-4;
-        expect_bounds(map, lobe_of({.shape = c.shape, .parameter = c.parameter}), error, around(light[0], directions),
+        expect_bounds(map, formula_of(Lobe(c.shape, c.parameter)), error, around(light[0], directions),
                       fmt::format("{}, {:g}, light {} {} {} of a cube of {}", words(c), error, face, i, j, size));
       }
 }
@@ -219,16 +219,16 @@ TEST(Multilevel, EveryKindOfLightStaysWithinItsBounds) {
   constexpr int size = 40;
   for (const Case& c : cases)
     for (const auto& [kind, radiance] : kinds)
-      expect_bounds(made(size, radiance), lobe_of({.shape = c.shape, .parameter = c.parameter}), 1e-3, some,
-                    words(c) + " " + kind);
+      expect_bounds(made(size, radiance), formula_of(Lobe(c.shape, c.parameter)), 1e-3, some, words(c) + " " + kind);
 }
 
 // Nodes of a row share their kernels.
 TEST(Multilevel, SumsOfARowAreThoseOfItsNodes) {
   const EnvironmentMap map = made(48, [](int i, int j, int c) { return float((i * 7 + j * 3 + c) % 11); });
   const SourceGrids grids(map.base(), mean_radiance(map.base()), Colour(0), 128);
-  for (const auto& [shape, parameter] : {Case{Shape::ggx, 0.2}, Case{Shape::ggx, 0.5}, Case{Shape::phong, 300}}) {
-    const auto plan = multilevel_plan(lobe_of({.shape = shape, .parameter = parameter}), 1e-3, 256);
+  for (const auto& [shape, parameter] :
+       {Case{LobeShape::ggx, 0.2}, Case{LobeShape::ggx, 0.5}, Case{LobeShape::phong, 300}}) {
+    const auto plan = multilevel_plan(formula_of(Lobe(shape, parameter)), 1e-3, 256);
     ASSERT_TRUE(plan);
     GatherBuffers buffers;
     for (const int rows : {64, 128})
@@ -267,21 +267,20 @@ TEST(Multilevel, MapsStateTheirBound) {
   const EnvironmentMap map =
       made(48, [](int i, int j, int c) { return i == 7 && j == 3 ? 1e6F : float((i * 7 + j * 3 + c) % 11); });
   for (const Projection to : {Projection::cube, Projection::latlong}) {
-    Prefilter wanted{.shape = Shape::ggx, .parameter = 0.16, .to = to, .size = 6, .method = Method::multilevel};
-    const Prefiltered done = PrefilterSource(map).make(wanted);
+    PrefilterOptions wanted{.lobe = Lobe::ggx(0.16), .to = to, .size = 6, .method = Method::multilevel};
+    const Prefiltered done = Prefilterer(map).make(wanted);
     EXPECT_EQ(done.method, Method::multilevel);
     EXPECT_GT(done.error, 0);
     EXPECT_LE(done.error, 1e-3);
     wanted.method = Method::exact;
-    EXPECT_LE(compare(done.map.base(), PrefilterSource(map).make(wanted).map.base(), nullptr).maximum, done.error);
+    EXPECT_LE(compare(done.map.base(), Prefilterer(map).make(wanted).map.base(), nullptr).maximum, done.error);
   }
 }
 
 TEST(Multilevel, BlackStaysBlackAndWhiteStaysWhite) {
   for (const float light : {0.F, 1.F}) {
     const EnvironmentMap map = made(20, [&](int, int, int) { return light; });
-    const Prefiltered done =
-        PrefilterSource(map).make({.shape = Shape::ggx, .parameter = 0.16, .size = 3, .method = Method::multilevel});
+    const Prefiltered done = Prefilterer(map).make({.lobe = Lobe::ggx(0.16), .size = 3, .method = Method::multilevel});
     for (int f = 0; f < 6; ++f)
       for (const Colour& c : done.map.base().row(f, 1)) EXPECT_NEAR(c.x, light, 1e-6);
   }
@@ -289,23 +288,21 @@ TEST(Multilevel, BlackStaysBlackAndWhiteStaysWhite) {
 
 TEST(Multilevel, AutoTakesItForNarrowLobes) {
   const EnvironmentMap map = made(16, [](int i, int j, int) { return float((i + j) % 3); });
-  const auto method = [&](Shape shape, double parameter, double error) {
+  const auto method = [&](LobeShape shape, double parameter, double error) {
     // One row of 64: the method is that of the whole map.
     std::vector<char> rows(6 * 64);
     rows[0] = 1;
-    return PrefilterSource(map)
-        .make({.shape = shape, .parameter = parameter, .size = 64, .rows = rows, .max_error = error})
-        .method;
+    return Prefilterer(map).make({.lobe = Lobe(shape, parameter), .size = 64, .rows = rows, .max_error = error}).method;
   };
-  EXPECT_EQ(method(Shape::ggx, 0.01, 1e-3), Method::multilevel);
-  EXPECT_EQ(method(Shape::ggx, 0.2, 1e-3), Method::multilevel);
-  EXPECT_EQ(method(Shape::ggx, 0.8, 1e-4), Method::multilevel);
-  EXPECT_EQ(method(Shape::phong, 200, 1e-3), Method::multilevel);
-  EXPECT_EQ(method(Shape::phong, 2, 1e-3), Method::prefix_sums);
-  EXPECT_EQ(method(Shape::ggx, 0.6, 1e-3), Method::multilevel);
-  EXPECT_EQ(method(Shape::phong, 3.5, 1e-3), Method::treecode);
-  EXPECT_EQ(method(Shape::ggx, 0.8, 9e-5), Method::treecode);
-  EXPECT_EQ(method(Shape::charlie, 0.5, 1e-3), Method::treecode);
+  EXPECT_EQ(method(LobeShape::ggx, 0.01, 1e-3), Method::multilevel);
+  EXPECT_EQ(method(LobeShape::ggx, 0.2, 1e-3), Method::multilevel);
+  EXPECT_EQ(method(LobeShape::ggx, 0.8, 1e-4), Method::multilevel);
+  EXPECT_EQ(method(LobeShape::phong, 200, 1e-3), Method::multilevel);
+  EXPECT_EQ(method(LobeShape::phong, 2, 1e-3), Method::prefix_sums);
+  EXPECT_EQ(method(LobeShape::ggx, 0.6, 1e-3), Method::multilevel);
+  EXPECT_EQ(method(LobeShape::phong, 3.5, 1e-3), Method::treecode);
+  EXPECT_EQ(method(LobeShape::ggx, 0.8, 9e-5), Method::treecode);
+  EXPECT_EQ(method(LobeShape::charlie, 0.5, 1e-3), Method::treecode);
 }
 
 // Nothing of them is left to a treecode.
@@ -315,7 +312,7 @@ TEST(Multilevel, AutoTakesPrefixSumsForDiffuseMaps) {
   const auto method = [&](int size, double error) {
     std::vector<char> rows(std::size_t(6 * size));
     rows[0] = 1;
-    return PrefilterSource(map).make({.shape = Shape::diffuse, .size = size, .rows = rows, .max_error = error}).method;
+    return Prefilterer(map).make({.lobe = Lobe::diffuse(), .size = size, .rows = rows, .max_error = error}).method;
   };
   EXPECT_EQ(method(16, 1e-3), Method::prefix_sums);
   EXPECT_EQ(method(128, 1e-5), Method::prefix_sums);
@@ -323,9 +320,9 @@ TEST(Multilevel, AutoTakesPrefixSumsForDiffuseMaps) {
 }
 
 TEST(Multilevel, LobesThatHaveNoBound) {
-  for (const Case& c : {Case{Shape::charlie, 0.5}, Case{Shape::phong, 3}, Case{Shape::blinn_phong, 1},
-                        Case{Shape::diffuse, unset_parameter}})
-    EXPECT_FALSE(multilevel_plan(lobe_of({.shape = c.shape, .parameter = c.parameter}), 1e-3)) << words(c);
+  for (const Case& c : {Case{LobeShape::charlie, 0.5}, Case{LobeShape::phong, 3}, Case{LobeShape::blinn_phong, 1},
+                        Case{LobeShape::diffuse, unset_parameter}})
+    EXPECT_FALSE(multilevel_plan(formula_of(Lobe(c.shape, c.parameter)), 1e-3)) << words(c);
   EXPECT_FALSE(multilevel_plan(Ggx(0.3), 9e-5));
 }
 

@@ -27,17 +27,19 @@ using numeric_tests::landscape;
 // ---- the definitions once more --------------------------------------------------------------------------------------
 
 // The lobe times its factor, of the cosine between the direction asked for and that of the light; not normalised.
-double kernel(const Prefilter& p, double cosine) {
+double kernel(const PrefilterOptions& p, double cosine) {
   if (cosine <= 0) return 0;
-  switch (p.shape) {
-    case Shape::diffuse: return cosine;
-    case Shape::phong: return std::pow(cosine, p.parameter);
+  switch (p.lobe.shape()) {
+    case LobeShape::diffuse: return cosine;
+    case LobeShape::phong: return std::pow(cosine, p.lobe.parameter());
     // n.h of half the angle.
-    case Shape::blinn_phong: return std::pow(std::sqrt(0.5 * (1 + cosine)), p.parameter) * cosine;
-    case Shape::charlie: return std::pow(std::sqrt(0.5 * (1 - cosine)), 1 / (p.parameter * p.parameter)) * cosine;
-    case Shape::ggx: break;
+    case LobeShape::blinn_phong: return std::pow(std::sqrt(0.5 * (1 + cosine)), p.lobe.parameter()) * cosine;
+    case LobeShape::charlie:
+      return std::pow(std::sqrt(0.5 * (1 - cosine)), 1 / (p.lobe.parameter() * p.lobe.parameter())) * cosine;
+    case LobeShape::ggx: break;
   }
-  const double alpha = p.parameter * p.parameter, nh2 = 0.5 * (1 + cosine);  // The half vector leans half as far.
+  const double alpha = p.lobe.parameter() * p.lobe.parameter(),
+               nh2 = 0.5 * (1 + cosine);  // The half vector leans half as far.
   const double d = nh2 * (alpha * alpha - 1) + 1;
   return alpha * alpha / (pi * d * d) * cosine;
 }
@@ -66,7 +68,7 @@ struct Points {
 };
 
 // Integral of L x kernel / that of the kernel.
-Flux brute_force(const Points& points, const Prefilter& p, const Direction& r) {
+Flux brute_force(const Points& points, const PrefilterOptions& p, const Direction& r) {
   long double whole = 0, sums[3] = {};
   for (std::size_t k = 0; k < points.weights.size(); ++k) {
     const double weight = points.weights[k] * kernel(p, glm::dot(points.directions[k], r));
@@ -82,7 +84,7 @@ EnvironmentMap source_of(EnvironmentMap map) {
   return cube ? std::move(*cube) : std::move(map);
 }
 
-Direction direction_of(const Prefilter& p, int face, int i, int j) {
+Direction direction_of(const PrefilterOptions& p, int face, int i, int j) {
   Direction d[1];
   texel_directions(p.to, p.size, face, j, i, d);
   return d[0];
@@ -94,19 +96,14 @@ double relative(const Flux& a, const Flux& b, double floor) {
   return worst;
 }
 
-const Prefilter lobes[] = {{.shape = Shape::diffuse},
-                           {.shape = Shape::phong, .parameter = 0.01, .max_error = 1e-2},
-                           {.shape = Shape::phong, .parameter = 3.7},
-                           {.shape = Shape::phong, .parameter = 60},
-                           {.shape = Shape::ggx, .parameter = 0.35},
-                           {.shape = Shape::ggx, .parameter = 1},
-                           {.shape = Shape::blinn_phong, .parameter = 0.8},
-                           {.shape = Shape::blinn_phong, .parameter = 90},
-                           {.shape = Shape::charlie, .parameter = 1},
-                           {.shape = Shape::charlie, .parameter = 0.3}};
+const PrefilterOptions lobes[] = {{.lobe = Lobe::diffuse()},        {.lobe = Lobe::phong(0.01), .max_error = 1e-2},
+                                  {.lobe = Lobe::phong(3.7)},       {.lobe = Lobe::phong(60)},
+                                  {.lobe = Lobe::ggx(0.35)},        {.lobe = Lobe::ggx(1)},
+                                  {.lobe = Lobe::blinn_phong(0.8)}, {.lobe = Lobe::blinn_phong(90)},
+                                  {.lobe = Lobe::charlie(1)},       {.lobe = Lobe::charlie(0.3)}};
 
-std::string words(const Prefilter& p) {
-  return std::string(shape_names[std::size_t(p.shape)]) + " " + std::to_string(p.parameter);
+std::string words(const PrefilterOptions& p) {
+  return std::string(lobe_shape_names[std::size_t(p.lobe.shape())]) + " " + std::to_string(p.lobe.parameter());
 }
 
 class EachPrefilter : public testing::TestWithParam<Projection> {};
@@ -118,9 +115,9 @@ INSTANTIATE_TEST_SUITE_P(, EachPrefilter, testing::ValuesIn(all_projections),
 TEST_P(EachPrefilter, AgreesWithTheDefinition) {
   const EnvironmentMap source = source_of(landscape(GetParam(), 12));
   const double floor = 1e-3 * mean_radiance(source.base());
-  const PrefilterSource prepared(source);
+  const Prefilterer prepared(source);
   const Points points(source.base(), 48);
-  for (Prefilter p : lobes) {
+  for (PrefilterOptions p : lobes) {
     p.to = GetParam() == Projection::cube ? Projection::latlong : Projection::cube;
     p.size = 4;
     const Prefiltered done = prepared.make(p);
@@ -128,9 +125,9 @@ TEST_P(EachPrefilter, AgreesWithTheDefinition) {
     for (const auto& [i, j] : {std::pair{0, 0}, {1, 2}, {3, 3}}) {
       const Direction r = direction_of(p, 0, i, j);
       const Flux truth = brute_force(points, p, r);
-      const Flux exact = exact_prefilter(source.base(), lobe_of(p), std::span(&r, 1))[0];
+      const Flux exact = exact_prefilter(source.base(), formula_of(p.lobe), std::span(&r, 1))[0];
       // Points on the horizon of the brute force count whole or not at all: of a sun up to 1 / (48 points).
-      const double tolerance = p.parameter == 0.01 ? 5e-2 : 3e-3;
+      const double tolerance = p.lobe.parameter() == 0.01 ? 5e-2 : 3e-3;
       EXPECT_LT(relative(exact, truth, floor), tolerance) << words(p) << " exact at " << i << "," << j;
       EXPECT_LT(relative(Flux(*done.map.base().texel(0, i, j)), exact, floor), 1.5 * p.max_error)
           << words(p) << " at " << i << "," << j;
@@ -140,24 +137,24 @@ TEST_P(EachPrefilter, AgreesWithTheDefinition) {
 
 TEST_P(EachPrefilter, WhiteStaysWhite) {
   const EnvironmentMap white = generate(Constant{Direction(1)}, GetParam(), 9);
-  const PrefilterSource prepared(white);
+  const Prefilterer prepared(white);
   std::vector<Direction> some;
   for (int face = 0; face < 6; ++face) some.push_back(direction_of({.size = 5}, face, face % 3, 4 - face % 2));
-  for (const Shape shape : {Shape::diffuse, Shape::phong, Shape::ggx, Shape::blinn_phong, Shape::charlie})
+  for (const LobeShape shape :
+       {LobeShape::diffuse, LobeShape::phong, LobeShape::ggx, LobeShape::blinn_phong, LobeShape::charlie})
     for (const double parameter : {0.0, 0.5, 1.0, 1e3, 1e6, 1e8}) {
-      const Prefilter p{.shape = shape,
-                        .parameter = shape == Shape::diffuse ? unset_parameter : parameter,
-                        .size = 2,
-                        .max_error = 1e-2};
-      const bool rough = shape == Shape::ggx || shape == Shape::charlie;
-      if ((shape == Shape::diffuse && parameter > 0) || (rough && parameter > 1)) continue;
+      const bool rough = shape == LobeShape::ggx || shape == LobeShape::charlie;
+      if ((shape == LobeShape::diffuse && parameter > 0) || (rough && parameter > 1)) continue;
+      const PrefilterOptions p{.lobe = Lobe(shape, shape == LobeShape::diffuse ? unset_parameter : parameter),
+                               .size = 2,
+                               .max_error = 1e-2};
       const Prefiltered done = prepared.make(p);
       for (int face = 0; face < 6; ++face)
         for (int j = 0; j < p.size; ++j)
           for (const Colour& c : done.map.base().row(face, j))
             for (int k = 0; k < 3; ++k) ASSERT_NEAR(c[k], 1, 1e-6) << words(p);
-      if (is_mirror(p)) continue;
-      for (const Flux& c : exact_prefilter(prepared.source().base(), lobe_of(p), some))
+      if (p.lobe.is_mirror()) continue;
+      for (const Flux& c : exact_prefilter(prepared.source().base(), formula_of(p.lobe), some))
         ASSERT_NEAR(c.x, 1, 1e-6) << words(p);
     }
 }
@@ -166,8 +163,8 @@ TEST(Prefilter, HalfAWhiteSphereGivesOnePlusCosineOverTwo) {
   EnvironmentMap half;
   half.levels.emplace_back(Projection::latlong, 64);
   for (int j = 0; j < 32; ++j) std::ranges::fill(half.base().row(0, j), Colour(1));
-  const PrefilterSource prepared(half);
-  const Prefilter p{.size = 16, .max_error = 1e-4};
+  const Prefilterer prepared(half);
+  const PrefilterOptions p{.size = 16, .max_error = 1e-4};
   const Prefiltered done = prepared.make(p);
   for (int face = 0; face < 6; ++face)
     for (int j = 0; j < 16; ++j)
@@ -186,13 +183,12 @@ TEST(Prefilter, OneTexelGivesTheLobe) {
   solid_angles(Projection::cube, 256, 128, omega);
   Direction sun[1];
   texel_directions(Projection::cube, 256, 4, 128, 128, sun);
-  const PrefilterSource prepared(map);
-  for (Prefilter p : {Prefilter{.shape = Shape::phong, .parameter = 8},
-                      {.shape = Shape::phong, .parameter = 8, .scale = 2},
-                      {.scale = 3}}) {
+  const Prefilterer prepared(map);
+  for (PrefilterOptions p :
+       {PrefilterOptions{.lobe = Lobe::phong(8)}, {.lobe = Lobe::phong(8), .scale = 2}, {.scale = 3}}) {
     p.size = 8;
     const Prefiltered done = prepared.make(p);
-    const double factor = p.shape == Shape::diffuse ? 3 / pi : p.scale.value_or(9 / (2 * pi));
+    const double factor = p.lobe.shape() == LobeShape::diffuse ? 3 / pi : p.scale.value_or(9 / (2 * pi));
     for (int i = 0; i < 8; ++i) {
       const double truth = 1e6 * omega[128] * factor * kernel(p, glm::dot(sun[0], direction_of(p, 4, i, 3)));
       EXPECT_NEAR(done.map.base().texel(4, i, 3)->x, truth, 1.5e-3 * truth) << words(p);
@@ -240,7 +236,7 @@ TEST(Prefilter, CharlieIsItsClosedForm) {
 // the mean of a gradient.
 TEST(Prefilter, CharlieIsWhatHalfVectorsSample) {
   const EnvironmentMap map = generate(Gradient{Direction(0), Direction(1)}, Projection::cube, 64);  // (1 + y) / 2.
-  const PrefilterSource prepared(map);
+  const Prefilterer prepared(map);
   for (const double roughness : {0.3, 0.7, 1.0}) {
     const double a = roughness * roughness;
     constexpr int count = 100000;
@@ -249,8 +245,7 @@ TEST(Prefilter, CharlieIsWhatHalfVectorsSample) {
       const double sine = std::pow((k + 0.5) / count, a / (2 * a + 1)), cosine = 1 - 2 * sine * sine;  // Of n and l.
       if (cosine > 0) sum += cosine * cosine, weight += cosine;
     }
-    const Prefiltered done =
-        prepared.make({.shape = Shape::charlie, .parameter = roughness, .size = 3, .max_error = 1e-4});
+    const Prefiltered done = prepared.make({.lobe = Lobe::charlie(roughness), .size = 3, .max_error = 1e-4});
     EXPECT_NEAR(done.map.base().texel(2, 1, 1)->x, 0.5 + 0.5 * sum / weight, 3e-4) << roughness;
   }
 }
@@ -260,7 +255,7 @@ TEST(Prefilter, CharlieRisesWithTheAngle) {
   EnvironmentMap map;
   map.levels.emplace_back(Projection::cube, 64);
   *map.base().texel(4, 32, 32) = Colour(1e6F);
-  const Prefiltered done = PrefilterSource(map).make({.shape = Shape::charlie, .parameter = 0.5, .size = 32});
+  const Prefiltered done = Prefilterer(map).make({.lobe = Lobe::charlie(0.5), .size = 32});
   Direction sun[1];
   texel_directions(Projection::cube, 64, 4, 32, 32, sun);
   double omega[64];
@@ -276,9 +271,9 @@ TEST(Prefilter, CharlieRisesWithTheAngle) {
 TEST(Prefilter, AGradientKeepsItsMeanAndLosesSlope) {
   // L = a + b y: convolution keeps a and multiplies b with the lobe's first moment, (m+1)/(m+2) for Phong, 2/3 diffuse.
   const EnvironmentMap map = generate(Gradient{Direction(0.5), Direction(1.5)}, Projection::latlong, 128);
-  const PrefilterSource prepared(map);
-  for (const auto& [p, slope] : {std::pair{Prefilter{.size = 8}, 2.0 / 3},
-                                 {Prefilter{.shape = Shape::phong, .parameter = 9, .size = 8}, 10.0 / 11}}) {
+  const Prefilterer prepared(map);
+  for (const auto& [p, slope] : {std::pair{PrefilterOptions{.size = 8}, 2.0 / 3},
+                                 {PrefilterOptions{.lobe = Lobe::phong(9), .size = 8}, 10.0 / 11}}) {
     const Prefiltered done = prepared.make(p);
     for (int face = 0; face < 6; ++face)
       for (int j = 0; j < 8; ++j)
@@ -289,10 +284,10 @@ TEST(Prefilter, AGradientKeepsItsMeanAndLosesSlope) {
 TEST(Prefilter, ManyErrorsAskedForHoldAgainstTheExactSum) {
   const EnvironmentMap source = landscape(Projection::cube, 32, 5e4F);
   const double floor = 1e-3 * mean_radiance(source.base());
-  const PrefilterSource prepared(source);
-  for (Prefilter p : lobes)
+  const Prefilterer prepared(source);
+  for (PrefilterOptions p : lobes)
     for (const double error : {1e-2, 1e-4}) {
-      if (p.parameter == 0.01 && error < 1e-2) continue;  // Seconds.
+      if (p.lobe.parameter() == 0.01 && error < 1e-2) continue;  // Seconds.
       p.size = 8;
       p.max_error = error;
       const Prefiltered done = prepared.make(p);
@@ -303,7 +298,7 @@ TEST(Prefilter, ManyErrorsAskedForHoldAgainstTheExactSum) {
         d.push_back(direction_of(p, k % 6, (k * 5) % 8, (k * 3) % 8));
         found.emplace_back(*done.map.base().texel(k % 6, (k * 5) % 8, (k * 3) % 8));
       }
-      const std::vector<Flux> truth = exact_prefilter(source.base(), lobe_of(p), d);
+      const std::vector<Flux> truth = exact_prefilter(source.base(), formula_of(p.lobe), d);
       for (std::size_t k = 0; k < d.size(); ++k)
         EXPECT_LT(relative(found[k], truth[k], floor), 1.2 * error) << words(p);
     }
@@ -314,9 +309,9 @@ TEST(Prefilter, TurningTheSourceTurnsTheResult) {
   // A quarter turn about +Y takes faces to faces, texel for texel.
   EnvironmentMap turned =
       convert(source, {.to = Projection::cube, .size = 24, .filter = Filter::nearest, .rotation = rotation(90, 0, 0)});
-  for (Prefilter p : {lobes[0], lobes[3], lobes[4]}) {
+  for (PrefilterOptions p : {lobes[0], lobes[3], lobes[4]}) {
     p.size = 8;
-    Prefiltered a = PrefilterSource(source).make(p), b = PrefilterSource(turned).make(p);
+    Prefiltered a = Prefilterer(source).make(p), b = Prefilterer(turned).make(p);
     const EnvironmentMap c =
         convert(a.map, {.to = Projection::cube, .size = 8, .filter = Filter::nearest, .rotation = rotation(90, 0, 0)});
     EXPECT_LT(compare(b.map.base(), c.base()).maximum, 2e-3) << words(p);
@@ -326,10 +321,10 @@ TEST(Prefilter, TurningTheSourceTurnsTheResult) {
 TEST(Prefilter, PhongKeepsTheFlux) {
   const EnvironmentMap source = landscape(Projection::latlong, 32);
   const Flux before = measure(source).flux;
-  const PrefilterSource prepared(source);
+  const Prefilterer prepared(source);
   for (const auto& [exponent, size] : {std::pair{1.0, 64}, {50.0, 96}}) {
-    const Prefiltered done = prepared.make(
-        {.shape = Shape::phong, .parameter = exponent, .size = size, .method = Method::treecode, .max_error = 1e-3});
+    const Prefiltered done =
+        prepared.make({.lobe = Lobe::phong(exponent), .size = size, .method = Method::treecode, .max_error = 1e-3});
     const Flux after = measure(done.map).flux;
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(after[c] / before[c], 1, 1e-4) << exponent;
   }
@@ -340,9 +335,9 @@ TEST(Prefilter, ResolutionOfTheSourceChangesNothing) {
   fine.levels.emplace_back(Projection::latlong, 128);
   for (int j = 0; j < 128; ++j)
     for (int i = 0; i < 256; ++i) *fine.base().texel(0, i, j) = *coarse.base().texel(0, i / 4, j / 4);
-  for (Prefilter p : lobes) {
+  for (PrefilterOptions p : lobes) {
     p.size = 8;
-    const Prefiltered a = PrefilterSource(coarse).make(p), b = PrefilterSource(fine).make(p);
+    const Prefiltered a = Prefilterer(coarse).make(p), b = Prefilterer(fine).make(p);
     EXPECT_LT(compare(a.map.base(), b.map.base()).maximum, 2 * p.max_error) << words(p);
   }
 }
@@ -351,16 +346,15 @@ TEST(Prefilter, ResolutionOfTheSourceChangesNothing) {
 
 TEST(Prefilter, NarrowLobesTendToTheMirror) {
   const EnvironmentMap source = landscape(Projection::cube, 4);
-  const PrefilterSource prepared(source);
-  for (Prefilter p : {Prefilter{.shape = Shape::phong, .parameter = 1e8},
-                      {.shape = Shape::ggx, .parameter = 0.001},
-                      {.shape = Shape::ggx, .parameter = 0}}) {
+  const Prefilterer prepared(source);
+  for (PrefilterOptions p :
+       {PrefilterOptions{.lobe = Lobe::phong(1e8)}, {.lobe = Lobe::ggx(0.001)}, {.lobe = Lobe::ggx(0)}}) {
     p.size = 4;
     const Prefiltered done = prepared.make(p);
     const Direction d = direction_of(p, 2, 1, 2);
     EXPECT_LT(compare(done.map.base(), source.base()).maximum, 2e-3) << words(p);
-    if (is_mirror(p)) continue;
-    EXPECT_LT(relative(exact_prefilter(source.base(), lobe_of(p), std::span(&d, 1))[0],
+    if (p.lobe.is_mirror()) continue;
+    EXPECT_LT(relative(exact_prefilter(source.base(), formula_of(p.lobe), std::span(&d, 1))[0],
                        Flux(*source.base().texel(2, 1, 2)), 1e-3),
               1e-4);
   }
@@ -373,8 +367,7 @@ TEST(Prefilter, AMirrorKeepsFluxWithinItsError) {
       for (const int size : {6, 12, 40}) {
         EnvironmentMap source = generate(Constant{Direction(0.1)}, from, 24);
         *source.base().texel(0, 17, 9) = Colour(5000, 4000, 3000);
-        const Prefiltered done =
-            PrefilterSource(source).make({.shape = Shape::ggx, .parameter = 0, .to = to, .size = size});
+        const Prefiltered done = Prefilterer(source).make({.lobe = Lobe::ggx(0), .to = to, .size = size});
         SCOPED_TRACE(testing::Message() << name(from) << " to " << name(to) << " of " << size);
         EXPECT_EQ(method_name(done), "area");
         const Flux there = flux(source.base()), here = flux(done.map.base());
@@ -389,7 +382,7 @@ TEST(Prefilter, AMirrorKeepsFluxWithinItsError) {
 
 TEST(Prefilter, AMirrorOfTheSourcesOwnTexelsCopiesThem) {
   const EnvironmentMap source = landscape(Projection::cube, 8);
-  const Prefiltered done = PrefilterSource(source).make({.shape = Shape::ggx, .parameter = 0, .size = 8});
+  const Prefiltered done = Prefilterer(source).make({.lobe = Lobe::ggx(0), .size = 8});
   EXPECT_EQ(compare(done.map.base(), source.base()).maximum, 0);
   EXPECT_EQ(done.error, 0);
   EXPECT_EQ(method_name(done), "nearest");
@@ -400,7 +393,7 @@ TEST(Prefilter, ANarrowLobeOnAnEdgeSeesHalfOfEitherSide) {
   map.levels.emplace_back(Projection::cube, 1);
   for (int face = 0; face < 6; ++face) *map.base().texel(face, 0, 0) = Colour(float(face));
   const Direction d = glm::normalize(Direction(1, 0.1, 1));  // Between +X, 0, and +Z, 4.
-  for (const Lobe& lobe : {Lobe(Phong{1e4}), Lobe(Phong{1e8}), Lobe(Ggx(0.01))})
+  for (const LobeFormula& lobe : {LobeFormula(Phong{1e4}), LobeFormula(Phong{1e8}), LobeFormula(Ggx(0.01))})
     EXPECT_NEAR(exact_prefilter(map.base(), lobe, std::span(&d, 1))[0].x, 2, 1e-3);
 }
 
@@ -426,7 +419,7 @@ TEST(Prefilter, BesideACornerAVeryNarrowLobeHasItsGaussianTail) {
 
 // Where one half of the sphere is white and the other 0.1: the lobe's sum over rings,
 // of each the part that lies in the white half.
-double at_an_edge(const Prefilter& p, double height) {  // Sine of the angle that the direction is from the edge.
+double at_an_edge(const PrefilterOptions& p, double height) {  // Sine of the angle that the direction is from the edge.
   double white = 0, whole = 0;
   constexpr int rings = 200000;
   for (int k = 0; k < rings; ++k) {  // Equal steps of the logarithm of the angle.
@@ -443,11 +436,11 @@ TEST(Prefilter, LobesNarrowerThanTheTexelsOfACoarseMapAreRight) {
   map.levels.emplace_back(Projection::latlong, 32);
   for (int j = 0; j < 32; ++j)
     for (int i = 0; i < 64; ++i) *map.base().texel(0, i, j) = Colour(i < 32 ? 1.F : 0.1F);  // x > 0 is white.
-  const PrefilterSource prepared(map);
-  for (Prefilter p : {Prefilter{.shape = Shape::ggx, .parameter = 0.02},
-                      {.shape = Shape::ggx, .parameter = 0.08},
-                      {.shape = Shape::phong, .parameter = 1e5},
-                      {.shape = Shape::blinn_phong, .parameter = 1e4}}) {
+  const Prefilterer prepared(map);
+  for (PrefilterOptions p : {PrefilterOptions{.lobe = Lobe::ggx(0.02)},
+                             {.lobe = Lobe::ggx(0.08)},
+                             {.lobe = Lobe::phong(1e5)},
+                             {.lobe = Lobe::blinn_phong(1e4)}}) {
     p.method = Method::treecode, p.to = Projection::cube, p.size = 15, p.max_error = 1e-4;
     const Prefiltered done = prepared.make(p);
     for (int i = 0; i < p.size; ++i) {
@@ -461,9 +454,9 @@ TEST(Prefilter, LobesNarrowerThanTheTexelsOfACoarseMapAreRight) {
 // Such a cube is what stands in scenes for no environment at all.
 TEST(Prefilter, ACubeOfSixTexelsIsRight) {
   const EnvironmentMap map = generate(Directions{}, {Projection::cube}, 1);
-  const PrefilterSource prepared(map);
+  const Prefilterer prepared(map);
   for (const double roughness : {0.1, 0.3, 0.7}) {
-    Prefilter p{.shape = Shape::ggx, .parameter = roughness, .to = Projection::cube, .size = 3, .max_error = 1e-3};
+    PrefilterOptions p{.lobe = Lobe::ggx(roughness), .to = Projection::cube, .size = 3, .max_error = 1e-3};
     const Prefiltered done = prepared.make(p);
     p.method = Method::exact;
     EXPECT_LE(compare(done.map.base(), prepared.make(p).map.base()).maximum, 1e-3) << roughness;
@@ -477,9 +470,9 @@ TEST(Prefilter, ExponentNoughtSeesThePartOfASunAboveTheHorizon) {
   map.levels.emplace_back(Projection::latlong, 16);
   for (const int j : {7, 8}) *map.base().texel(0, 5, j) = Colour(1e9F);
   const double height = 2 * std::sin(pi / 16), width = 2 * pi / 32, middle = 2 * pi * (0.5 - 5.5 / 32);
-  const PrefilterSource prepared(map);
+  const Prefilterer prepared(map);
   const Prefiltered done =
-      prepared.make({.shape = Shape::phong, .parameter = 0, .to = Projection::latlong, .size = 17, .max_error = 1e-2});
+      prepared.make({.lobe = Lobe::phong(0), .to = Projection::latlong, .size = 17, .max_error = 1e-2});
   EXPECT_LE(done.error, 1e-2);
   const double floor = 1e-3 * mean_radiance(map.base());
   for (int i = 0; i < 34; ++i) {
@@ -522,9 +515,11 @@ TEST(Prefilter, TheExactSumIsTheSameInAnyNumberOfDirectionsAndOfAnyCutTexels) {
   std::vector<Direction> all;
   for (int k = 0; k < 11; ++k)
     all.push_back(glm::normalize(Direction(std::sin(k), std::cos(3 * k), std::sin(2 * k + 1))));
-  for (const Lobe& lobe : {Lobe(Cosine{}), Lobe(Phong{0}), Lobe(Phong{0.2}), Lobe(Phong{7.9}), Lobe(Phong{8}),
-                           Lobe(Phong{45}), Lobe(Phong{700}), Lobe(Phong{1e5}), Lobe(Ggx(0.1)), Lobe(Ggx(0.4)),
-                           Lobe(Ggx(1)), Lobe(BlinnPhong(30)), Lobe(Charlie(1)), Lobe(Charlie(0.2))}) {
+  for (const LobeFormula& lobe :
+       {LobeFormula(Cosine{}), LobeFormula(Phong{0}), LobeFormula(Phong{0.2}), LobeFormula(Phong{7.9}),
+        LobeFormula(Phong{8}), LobeFormula(Phong{45}), LobeFormula(Phong{700}), LobeFormula(Phong{1e5}),
+        LobeFormula(Ggx(0.1)), LobeFormula(Ggx(0.4)), LobeFormula(Ggx(1)), LobeFormula(BlinnPhong(30)),
+        LobeFormula(Charlie(1)), LobeFormula(Charlie(0.2))}) {
     const std::vector<Flux> together = exact_prefilter(source, lobe, all), finer = exact_prefilter(cut, lobe, all);
     for (std::size_t k = 0; k < all.size(); ++k) {
       const Flux alone = exact_prefilter(source, lobe, std::span(all).subspan(k, 1))[0];
@@ -539,15 +534,15 @@ TEST_P(EachPrefilter, MapsOnADiscArePrefilteredAsTheirCube) {
   const EnvironmentMap map = landscape(GetParam(), 40);
   const bool disc = GetParam() != Projection::cube && GetParam() != Projection::latlong;
   const EnvironmentMap cube = convert(map, {.to = {Projection::cube}, .filter = Filter::area});
-  const Prefilter p{.shape = Shape::ggx, .parameter = 0.4, .size = 6};
-  const Prefiltered a = PrefilterSource(map).make(p), b = PrefilterSource(disc ? cube : map).make(p);
+  const PrefilterOptions p{.lobe = Lobe::ggx(0.4), .size = 6};
+  const Prefiltered a = Prefilterer(map).make(p), b = Prefilterer(disc ? cube : map).make(p);
   for (int face = 0; face < 6; ++face)
     for (int j = 0; j < p.size; ++j)
       EXPECT_TRUE(std::ranges::equal(a.map.base().row(face, j), b.map.base().row(face, j)));
 }
 
 // What exact sums make of a map that is 0.5 but for a few texels: white stays white, and the rest is soon summed.
-std::vector<Flux> exact_of_suns(const Level& map, const Lobe& lobe, std::span<const Direction> directions) {
+std::vector<Flux> exact_of_suns(const Level& map, const LobeFormula& lobe, std::span<const Direction> directions) {
   Level source = map.clone();
   for (int face = 0; face < source.faces(); ++face)
     for (int j = 0; j < source.height(); ++j)
@@ -571,22 +566,22 @@ TEST(Prefilter, SunsAtPolesCornersSeamsAndRimsAreRightInEveryTexel) {
     Projection projection;
     int size;
     std::vector<Sun> suns;
-    Prefilter wanted;
+    PrefilterOptions wanted;
   };
-  const Prefilter tail{.shape = Shape::phong, .parameter = 30, .size = 24};
-  const Prefilter rim{.shape = Shape::ggx, .parameter = 0.3, .to = Projection::latlong, .size = 32, .max_error = 1e-2};
+  const PrefilterOptions tail{.lobe = Lobe::phong(30), .size = 24};
+  const PrefilterOptions rim{.lobe = Lobe::ggx(0.3), .to = Projection::latlong, .size = 32, .max_error = 1e-2};
   for (const Case& c :
-       {Case{Projection::latlong, 48, {{40, 0, 1e6F}}, {.shape = Shape::ggx, .parameter = 0.2, .size = 3}},
+       {Case{Projection::latlong, 48, {{40, 0, 1e6F}}, {.lobe = Lobe::ggx(0.2), .size = 3}},
         Case{Projection::latlong, 128, {{17, 40, 1e9F}}, tail},
-        Case{Projection::cube, 24, {{0, 0, 1e9F}}, {.shape = Shape::phong, .parameter = 10, .size = 6}},
+        Case{Projection::cube, 24, {{0, 0, 1e9F}}, {.lobe = Lobe::phong(10), .size = 6}},
         Case{Projection::cube, 24, {{23, 11, 1e9F}}, {.size = 6, .max_error = 1e-4}},
-        Case{Projection::cube, 16, {{11, 9, 1e9F}}, {.shape = Shape::ggx, .parameter = 0.001, .size = 16}},
+        Case{Projection::cube, 16, {{11, 9, 1e9F}}, {.lobe = Lobe::ggx(0.001), .size = 16}},
         // A black texel: what is even is known no more, and a lobe of 1e-6 radians looks along all nodes.
-        Case{Projection::cube, 16, {{11, 9, 1e9F}, {2, 3, 0}}, {.shape = Shape::ggx, .parameter = 0.001, .size = 16}},
+        Case{Projection::cube, 16, {{11, 9, 1e9F}, {2, 3, 0}}, {.lobe = Lobe::ggx(0.001), .size = 16}},
         Case{Projection::sphere, 64, {{3, 35, 159}, {63, 26, 2.26e6F}, {62, 24, 1.16e6F}}, rim}}) {
     EnvironmentMap map = generate(Constant{Direction(0.5)}, c.projection, c.size);
     for (const Sun& sun : c.suns) *map.base().texel(0, sun.i, sun.j) = Colour(sun.radiance);
-    const PrefilterSource prepared(map);
+    const Prefilterer prepared(map);
     const Level& source = prepared.source().base();
     const double floor = 1e-3 * mean_radiance(source);
     const Prefiltered done = prepared.make(c.wanted);
@@ -597,7 +592,7 @@ TEST(Prefilter, SunsAtPolesCornersSeamsAndRimsAreRightInEveryTexel) {
       d.push_back(direction_of(c.wanted, t.face, t.i, t.j));
       found.emplace_back(*done.map.base().texel(t.face, t.i, t.j));
     }
-    const std::vector<Flux> truth = exact_of_suns(source, lobe_of(c.wanted), d);
+    const std::vector<Flux> truth = exact_of_suns(source, formula_of(c.wanted.lobe), d);
     double worst = 0;
     for (std::size_t k = 0; k < d.size(); ++k) worst = std::max(worst, relative(found[k], truth[k], floor));
     EXPECT_LT(worst, c.wanted.max_error) << name(c.projection) << " " << words(c.wanted);
@@ -639,15 +634,15 @@ TEST(Prefilter, LightThatRepeatsIsRightInEveryTexel) {
       const double u = (t.i + 0.5) / level.width(), v = (t.j + 0.5) / level.height();
       *level.texel(t.face, t.i, t.j) = c.light(t, formulae::rounded(formulae::direction(c.from, t.face, u, v)));
     }
-    Prefilter p;
-    p.shape = Shape::phong, p.parameter = c.exponent, p.method = Method::treecode;
+    PrefilterOptions p;
+    p.lobe = Lobe::phong(c.exponent), p.method = Method::treecode;
     p.to = Projection::cube, p.size = 5;
-    const PrefilterSource source(map);
+    const Prefilterer source(map);
     std::vector<Direction> all;
     const std::vector<Texel> texels = texels_of(Level(p.to, p.size));
     for (const Texel& t : texels)
       all.push_back(formulae::rounded(formulae::direction(p.to, t.face, (t.i + 0.5) / p.size, (t.j + 0.5) / p.size)));
-    const std::vector<Flux> truth = exact_prefilter(level, lobe_of(p), all);
+    const std::vector<Flux> truth = exact_prefilter(level, formula_of(p.lobe), all);
     for (const double error : {1e-3, 1e-4}) {
       p.max_error = error;
       const Prefiltered fast = source.make(p);
@@ -667,8 +662,8 @@ TEST(Prefilter, LightThatRepeatsIsRightInEveryTexel) {
 TEST(Prefilter, SunsOfAnyStrengthAndBlackAreFinite) {
   for (const float sun : {1e4F, 1e9F}) {
     const EnvironmentMap source = landscape(Projection::latlong, 32, sun);
-    const PrefilterSource prepared(source);
-    for (Prefilter p : lobes) {
+    const Prefilterer prepared(source);
+    for (PrefilterOptions p : lobes) {
       p.size = 8;
       const Prefiltered done = prepared.make(p);
       EXPECT_LE(done.error, p.max_error) << words(p);
@@ -677,9 +672,9 @@ TEST(Prefilter, SunsOfAnyStrengthAndBlackAreFinite) {
   }
   for (const double value : {0.0, 1e-42}) {
     const EnvironmentMap source = generate(Constant{Direction(value)}, Projection::cube, 1);
-    for (Prefilter p : lobes) {
+    for (PrefilterOptions p : lobes) {
       p.size = 2;
-      const Prefiltered done = PrefilterSource(source).make(p);
+      const Prefiltered done = Prefilterer(source).make(p);
       EXPECT_EQ(find_flaws(done.map.base()).count(), 0);
       EXPECT_NEAR(done.map.base().texel(0, 0, 0)->x, value, 2e-45) << words(p);
     }

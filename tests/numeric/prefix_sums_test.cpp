@@ -57,7 +57,7 @@ void expect_bounds(const Level& level, const std::vector<double>& errors, std::s
   const double mean = mean_radiance(level), floor = 1e-3 * mean;
   const std::optional<Level> fine = refined(level);
   std::vector<PrefixSum> found(some.size());
-  for (const Lobe& lobe : {Lobe(Cosine{}), Lobe(Phong{2}), Lobe(Phong{3})}) {
+  for (const LobeFormula& lobe : {LobeFormula(Cosine{}), LobeFormula(Phong{2}), LobeFormula(Phong{3})}) {
     const std::string name = what + ", power " + std::to_string(clamped_cosine_polynomial(lobe)->order());
     const std::vector<Flux> truth = exact_prefilter(level, lobe, some);
     for (const double error : errors) {
@@ -142,13 +142,12 @@ TEST(PrefixSums, MapsAreMadeByPrefixSumsWithTheirBounds) {
   map.levels.push_back(made({Projection::latlong, 64}, [](int, int i, int j, int c) {
     return i == 70 && j == 9 ? 1e5F : float((i + 2 * j + c) % 7);
   }));
-  const PrefilterSource prepared(map);
-  for (const Prefilter& p :
-       {Prefilter{.shape = Shape::diffuse}, Prefilter{.shape = Shape::ggx, .parameter = 1},
-        Prefilter{.shape = Shape::phong, .parameter = 1}, Prefilter{.shape = Shape::phong, .parameter = 2},
-        Prefilter{.shape = Shape::phong, .parameter = 3}})
+  const Prefilterer prepared(map);
+  for (const PrefilterOptions& p : {PrefilterOptions{.lobe = Lobe::diffuse()}, PrefilterOptions{.lobe = Lobe::ggx(1)},
+                                    PrefilterOptions{.lobe = Lobe::phong(1)}, PrefilterOptions{.lobe = Lobe::phong(2)},
+                                    PrefilterOptions{.lobe = Lobe::phong(3)}})
     for (const double error : {1e-2, 1e-4}) {
-      Prefilter wanted = p;
+      PrefilterOptions wanted = p;
       wanted.size = 9, wanted.max_error = error;
       const Prefiltered done = prepared.make(wanted);
       EXPECT_EQ(done.method, Method::prefix_sums);
@@ -163,7 +162,7 @@ TEST(PrefixSums, MapsAreMadeByPrefixSumsWithTheirBounds) {
 TEST(PrefixSums, BlackStaysBlack) {
   EnvironmentMap map;
   map.levels.emplace_back(Projection::cube, 4);
-  const Prefiltered done = PrefilterSource(map).make({.size = 3});
+  const Prefiltered done = Prefilterer(map).make({.size = 3});
   EXPECT_EQ(done.method, Method::prefix_sums);
   EXPECT_EQ(done.error, 0);
   for (const Colour& c : done.map.base().row(2, 1)) EXPECT_EQ(c, Colour(0));
@@ -173,19 +172,18 @@ TEST(PrefixSums, RowsComeOutAsInTheWholeMap) {
   EnvironmentMap map;
   map.levels.push_back(made({Projection::cube, 40},
                             [](int face, int i, int j, int c) { return float((face + 3 * i + 7 * j + c) % 5); }));
-  Prefilter wanted{.size = 6};
-  const Prefiltered whole = PrefilterSource(map).make(wanted);
+  PrefilterOptions wanted{.size = 6};
+  const Prefiltered whole = Prefilterer(map).make(wanted);
   wanted.rows.assign(36, 0);
   wanted.rows[13] = 1;
-  const Prefiltered part = PrefilterSource(map).make(wanted);
+  const Prefiltered part = Prefilterer(map).make(wanted);
   for (int i = 0; i < 6; ++i) EXPECT_EQ(*part.map.base().texel(2, i, 1), *whole.map.base().texel(2, i, 1));
 }
 
 TEST(PrefixSums, OtherLobesAreRefused) {
   EnvironmentMap map;
   map.levels.emplace_back(Projection::cube, 4);
-  EXPECT_ANY_THROW(
-      PrefilterSource(map).make({.shape = Shape::ggx, .parameter = 0.5, .size = 2, .method = Method::prefix_sums}));
+  EXPECT_ANY_THROW(Prefilterer(map).make({.lobe = Lobe::ggx(0.5), .size = 2, .method = Method::prefix_sums}));
 }
 
 }  // namespace

@@ -86,16 +86,17 @@ TEST_P(EachProjection, OfLevelsAndConversions) {
 // The source is large enough for blocks of two by two texels.
 TEST(SameBytes, OfPrefilteredMapsAndTables) {
   const EnvironmentMap source = numeric_tests::landscape(Projection::cube, 160);
-  const auto prefiltered = [&source](const Prefilter& p) {
-    return Job{std::string(shape_names[std::size_t(p.shape)]) + " " + std::string(method_names[std::size_t(p.method)]),
-               [&source, p] { return bytes_of(PrefilterSource(source).make(p).map); }};
+  const auto prefiltered = [&source](const PrefilterOptions& p) {
+    return Job{std::string(lobe_shape_names[std::size_t(p.lobe.shape())]) + " " +
+                   std::string(method_names[std::size_t(p.method)]),
+               [&source, p] { return bytes_of(Prefilterer(source).make(p).map); }};
   };
-  const Prefilter phong{.shape = Shape::phong, .parameter = 60, .size = 12};
-  Prefilter tree = phong, exact = phong;
+  const PrefilterOptions phong{.lobe = Lobe::phong(60), .size = 12};
+  PrefilterOptions tree = phong, exact = phong;
   tree.method = Method::treecode, exact.method = Method::exact, exact.size = 2;
   for (const Job& job :
-       {prefiltered({.shape = Shape::diffuse, .size = 12}), prefiltered(phong), prefiltered(tree), prefiltered(exact),
-        prefiltered({.shape = Shape::ggx, .parameter = 0.35, .size = 12}),
+       {prefiltered({.lobe = Lobe::diffuse(), .size = 12}), prefiltered(phong), prefiltered(tree), prefiltered(exact),
+        prefiltered({.lobe = Lobe::ggx(0.35), .size = 12}),
         Job{"table of ggx", [] { return bytes_of(brdf_table(13)); }},
         Job{"table of charlie", [] { return bytes_of(sheen_table(13)); }},
         Job{"sky with air", [] { return bytes_of(generate(Atmosphere{}, Projection::cube, 16).map); }, false}})

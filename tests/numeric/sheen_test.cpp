@@ -158,8 +158,8 @@ TEST(Sheen, IsItsIntegral) {
   const std::pair<long double, long double> gauss[] = {{-at, 5.0L / 9}, {0, 8.0L / 9}, {at, 5.0L / 9}};
   for (const double roughness : {0.1, 0.25}) {
     const long double power = 0.5L / (roughness * roughness), scale = (power + 1) * (power + 2) / circle;
-    const Prefiltered done = PrefilterSource(map).make(
-        {.shape = Shape::charlie, .parameter = roughness, .to = Projection::latlong, .size = 8, .max_error = 1e-4});
+    const Prefiltered done = Prefilterer(map).make(
+        {.lobe = Lobe::charlie(roughness), .to = Projection::latlong, .size = 8, .max_error = 1e-4});
     EXPECT_EQ(done.method, Method::multilevel);
     EXPECT_LE(done.error, 1e-4);
     for (int j = 0; j < 8; ++j)
@@ -193,20 +193,20 @@ TEST(Sheen, MapsStateTheirBound) {
     return i == 7 && j == 3 ? 1e6F : float((i * 7 + j * 3 + c) % 11);
   });
   for (const Projection to : {Projection::cube, Projection::latlong, Projection::octahedral}) {
-    Prefilter wanted{.shape = Shape::charlie, .parameter = 0.16, .to = to, .size = 6, .method = Method::multilevel};
-    const Prefiltered done = PrefilterSource(map).make(wanted);
+    PrefilterOptions wanted{.lobe = Lobe::charlie(0.16), .to = to, .size = 6, .method = Method::multilevel};
+    const Prefiltered done = Prefilterer(map).make(wanted);
     EXPECT_EQ(done.method, Method::multilevel);
     EXPECT_GT(done.error, 0);
     EXPECT_LE(done.error, 1e-3);
     wanted.method = Method::exact;
-    EXPECT_LE(compare(done.map.base(), PrefilterSource(map).make(wanted).map.base(), nullptr).maximum, done.error);
+    EXPECT_LE(compare(done.map.base(), Prefilterer(map).make(wanted).map.base(), nullptr).maximum, done.error);
   }
 }
 
 TEST(Sheen, BlackStaysBlackAndWhiteStaysWhite) {
   for (const float light : {0.F, 1.F}) {
     const EnvironmentMap map = made(Projection::latlong, 20, [&](int, int, int, int) { return light; });
-    const Prefiltered done = PrefilterSource(map).make({.shape = Shape::charlie, .parameter = 0.16, .size = 3});
+    const Prefiltered done = Prefilterer(map).make({.lobe = Lobe::charlie(0.16), .size = 3});
     for (int f = 0; f < 6; ++f)
       for (const Colour& c : done.map.base().row(f, 1)) EXPECT_NEAR(c.x, light, 1e-3 * light);
   }
@@ -215,9 +215,7 @@ TEST(Sheen, BlackStaysBlackAndWhiteStaysWhite) {
 TEST(Sheen, WideLobesAndSmallErrorsAreLeftToOthers) {
   const EnvironmentMap map = made(Projection::latlong, 16, [](int, int i, int j, int) { return float((i + j) % 3); });
   const auto method = [&](double roughness, double error) {
-    return PrefilterSource(map)
-        .make({.shape = Shape::charlie, .parameter = roughness, .size = 2, .max_error = error})
-        .method;
+    return Prefilterer(map).make({.lobe = Lobe::charlie(roughness), .size = 2, .max_error = error}).method;
   };
   EXPECT_EQ(method(0.1, 1e-3), Method::multilevel);
   EXPECT_EQ(method(0.35, 1e-4), Method::multilevel);

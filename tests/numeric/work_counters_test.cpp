@@ -31,7 +31,7 @@ using Steps = std::map<std::string, double>;  // In thousands.
 struct Job {
   Projection from;
   int rows;
-  Prefilter wanted;
+  PrefilterOptions wanted;
   Method method;
   Steps steps;
 };
@@ -54,7 +54,7 @@ const Job jobs[] = {
 
 TEST(Work, JobsTakeTheirSteps) {
   for (const Job& job : jobs) {
-    const Prefiltered done = PrefilterSource(landscape(job.from, job.rows)).make(job.wanted);
+    const Prefiltered done = Prefilterer(landscape(job.from, job.rows)).make(job.wanted);
     const Steps found = steps_of(done);
     const std::string which = std::to_string(&job - jobs) + ": " + words(done);
     EXPECT_EQ(done.method, job.method) << which;
@@ -71,7 +71,7 @@ TEST(Work, ThreadsTakeTheSameSteps) {
     const EnvironmentMap map = landscape(job.from, job.rows);
     const auto with_threads = [&](std::size_t threads) {
       const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-      return steps_of(PrefilterSource(map).make(job.wanted));
+      return steps_of(Prefilterer(map).make(job.wanted));
     };
     EXPECT_EQ(with_threads(1), with_threads(2));
   }

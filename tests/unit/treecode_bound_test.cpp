@@ -91,7 +91,7 @@ TreeNode node_of_points(const std::vector<Point>& points) {
   return finished(light);
 }
 
-double value_of(const Lobe& lobe, double x) {
+double value_of(const LobeFormula& lobe, double x) {
   return std::visit([x](const auto& l) { return l.value(x); }, lobe);
 }
 // What is left to the nodes.
@@ -103,12 +103,12 @@ double versine(const Direction& a, const Direction& b) {
   const Direction d = a - b;
   return 0.5 * glm::dot(d, d);
 }
-double width_of(const Lobe& lobe) {
+double width_of(const LobeFormula& lobe) {
   return std::visit([](const auto& l) { return std::sqrt(2 * l.width()); }, lobe);
 }
 
 // Directions round one that sees a node in the lobe's middle or tail, over its horizon, or anywhere.
-std::vector<Direction> some_directions(Draw& draw, const Lobe& lobe, const TreeNode& node) {
+std::vector<Direction> some_directions(Draw& draw, const LobeFormula& lobe, const TreeNode& node) {
   const double reach = std::acos(std::clamp(double(node.cosine), -1.0, 1.0));
   const double angle = draw.one_of(3)   ? draw.between(1e-3, 10) * width_of(lobe)
                        : draw.one_of(2) ? 0.5 * pi + 1.5 * reach * (2 * draw.even() - 1)
@@ -121,12 +121,12 @@ std::vector<Direction> some_directions(Draw& draw, const Lobe& lobe, const TreeN
   return all;
 }
 
-const Lobe lobes[] = {Phong{1.1},   Phong{1.6},      Phong{2.5},    Phong{3.3},     Phong{4},         Phong{4.5},
-                      Phong{12},    Phong{300},      Phong{1e5},    Ggx(0.03),      Ggx(0.2),         Ggx(0.5),
-                      Ggx(0.9),     BlinnPhong(0.7), BlinnPhong(3), BlinnPhong(40), BlinnPhong(3000), Charlie(1),
-                      Charlie(0.8), Charlie(0.6),    Charlie(0.5),  Charlie(0.4),   Charlie(0.2)};
+const LobeFormula lobes[] = {Phong{1.1},   Phong{1.6},      Phong{2.5},    Phong{3.3},     Phong{4},         Phong{4.5},
+                             Phong{12},    Phong{300},      Phong{1e5},    Ggx(0.03),      Ggx(0.2),         Ggx(0.5),
+                             Ggx(0.9),     BlinnPhong(0.7), BlinnPhong(3), BlinnPhong(40), BlinnPhong(3000), Charlie(1),
+                             Charlie(0.8), Charlie(0.6),    Charlie(0.5),  Charlie(0.4),   Charlie(0.2)};
 
-class EachTreecodeLobe : public testing::TestWithParam<Lobe> {};
+class EachTreecodeLobe : public testing::TestWithParam<LobeFormula> {};
 INSTANTIATE_TEST_SUITE_P(, EachTreecodeLobe, testing::ValuesIn(lobes));
 
 TEST_P(EachTreecodeLobe, NoNodeIsFartherOffThanItsBound) {

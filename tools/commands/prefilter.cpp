@@ -35,8 +35,9 @@ struct Request {
   ReadOptions read;
   WriteOptions write;
   const Engine* engine = nullptr;
-  std::optional<Shape> lobe;
-  Prefilter map;
+  std::optional<LobeShape> lobe;
+  LobeShape shape = LobeShape::diffuse;  // Of `lobe`, or of the engine's map.
+  PrefilterOptions map;
   std::optional<int> size, levels;
   bool one_level = false;  // --level was given.
   int table_size = 128;
@@ -47,9 +48,9 @@ struct Request {
   Shard shard;
 };
 
-std::string_view name_of(Shape shape) { return shape_names[std::size_t(shape)]; }
-bool has_exponent(Shape shape) { return shape == Shape::phong || shape == Shape::blinn_phong; }
-bool has_roughness(Shape shape) { return shape == Shape::ggx || shape == Shape::charlie; }
+std::string_view name_of(LobeShape shape) { return lobe_shape_names[std::size_t(shape)]; }
+bool has_exponent(LobeShape shape) { return shape == LobeShape::phong || shape == LobeShape::blinn_phong; }
+bool has_roughness(LobeShape shape) { return shape == LobeShape::ggx || shape == LobeShape::charlie; }
 
 // Of level k of a chain of Phong lobes: a quarter of that before, as texels have four times the area, or more of it, so
 // that the last is no less than 1, Lambert's cosine: below, lobes break off at the horizon, and see no more of the map.
@@ -60,64 +61,66 @@ double exponent_of(double first, int k, int levels) {
 }
 
 // What to make for each level: as many as were asked for, or as parameters were given.
-std::vector<Prefilter> levels_of(const Request& o) {
+std::vector<PrefilterOptions> levels_of(const Request& o) {
   const int levels = o.levels.value_or(1);
-  std::vector<double> parameters = has_exponent(o.map.shape) ? o.exponents : o.roughnesses;
+  std::vector<double> parameters = has_exponent(o.shape) ? o.exponents : o.roughnesses;
   const auto only = [&](bool given, const char* option, bool has, const char* lobes) {
     if (given && !has) throw UsageError(fmt::format("{} is for --lobe {}", option, lobes));
   };
-  only(o.exponent || !o.exponents.empty(), o.exponent ? "--exponent" : "--exponents", has_exponent(o.map.shape),
+  only(o.exponent || !o.exponents.empty(), o.exponent ? "--exponent" : "--exponents", has_exponent(o.shape),
        "phong and blinn-phong");
-  only(o.roughness || !o.roughnesses.empty(), o.roughness ? "--roughness" : "--roughnesses", has_roughness(o.map.shape),
+  only(o.roughness || !o.roughnesses.empty(), o.roughness ? "--roughness" : "--roughnesses", has_roughness(o.shape),
        "ggx and charlie");
   if (!parameters.empty() && (o.exponent || o.roughness))
     throw UsageError(o.exponent ? "--exponent and --exponents: give one of them"
                                 : "--roughness and --roughnesses: give one of them");
-  if (o.map.shape == Shape::diffuse && levels > 1) throw UsageError("--levels: a diffuse map has one");
+  if (o.shape == LobeShape::diffuse && levels > 1) throw UsageError("--levels: a diffuse map has one");
   if (!parameters.empty() && levels > 1 && levels != int(parameters.size()))
     throw UsageError(fmt::format("--levels {}: {} parameters are given", levels, parameters.size()));
   if (parameters.empty()) {
     for (int k = 0; k < levels; ++k) {
-      if (has_exponent(o.map.shape))
+      if (has_exponent(o.shape))
         parameters.push_back(exponent_of(o.exponent.value_or(0), k, levels));
       else if (o.roughness || levels == 1)
         parameters.push_back(o.roughness.value_or(0));
       else
         parameters.push_back(double(k) / (levels - 1));
     }
-    if (has_exponent(o.map.shape) && !o.exponent)
-      throw UsageError(fmt::format("--lobe {}: needs --exponent M or --exponents A,B,...", name_of(o.map.shape)));
-    if (has_roughness(o.map.shape) && !o.roughness && levels == 1)
+    if (has_exponent(o.shape) && !o.exponent)
+      throw UsageError(fmt::format("--lobe {}: needs --exponent M or --exponents A,B,...", name_of(o.shape)));
+    if (has_roughness(o.shape) && !o.roughness && levels == 1)
       throw UsageError(
-          fmt::format("--lobe {}: needs --roughness R, --roughnesses A,B,... or --levels N", name_of(o.map.shape)));
+          fmt::format("--lobe {}: needs --roughness R, --roughnesses A,B,... or --levels N", name_of(o.shape)));
     if (o.roughness && levels > 1) throw UsageError("--roughness is for one map; --roughnesses A,B,... for a chain");
   }
   if (const std::size_t possible = std::bit_width(unsigned(o.map.size));
       parameters.size() > possible && !has_level(o.output))
     throw UsageError(fmt::format("--size {} has at most {} levels, not {}", o.map.size, possible, parameters.size()));
-  std::vector<Prefilter> all;
+  std::vector<PrefilterOptions> all;
   for (std::size_t k = 0; k < parameters.size(); ++k) {
-    Prefilter p = o.map;
-    if (p.shape != Shape::diffuse) p.parameter = parameters[k];
+    PrefilterOptions p = o.map;
+    if (o.shape != LobeShape::diffuse) p.lobe = Lobe(o.shape, parameters[k]);
     p.size = size_inside_border(std::max(1, o.map.size >> k), o.write);
-    lobe_of(p);
+    check_method(p);
     all.push_back(p);
   }
   return all;
 }
 
-std::string words(const Prefilter& p) {
-  return p.shape == Shape::diffuse ? std::string(name_of(p.shape))
-                                   : fmt::format("{} {:g}", name_of(p.shape), p.parameter);
+std::string words(const Lobe& lobe) {
+  const std::string_view name = name_of(lobe.shape());
+  return lobe.shape() == LobeShape::diffuse ? std::string(name) : fmt::format("{} {:g}", name, lobe.parameter());
 }
 
 // What the file says of its lobes: one number for each level.
-Facts record(const std::vector<Prefilter>& levels) {
-  const Prefilter& first = levels.front();
-  Facts facts{{"lobe", std::string(name_of(first.shape))}};
-  const std::string numbers = joined(levels, ",", [](const Prefilter& p) { return fmt::format("{:g}", p.parameter); });
-  if (has_exponent(first.shape)) facts["exponent"] = numbers;
-  if (has_roughness(first.shape)) facts["roughness"] = numbers;
+Facts record(const std::vector<PrefilterOptions>& levels) {
+  const PrefilterOptions& first = levels.front();
+  const LobeShape shape = first.lobe.shape();
+  Facts facts{{"lobe", std::string(name_of(shape))}};
+  const std::string numbers =
+      joined(levels, ",", [](const PrefilterOptions& p) { return fmt::format("{:g}", p.lobe.parameter()); });
+  if (has_exponent(shape)) facts["exponent"] = numbers;
+  if (has_roughness(shape)) facts["roughness"] = numbers;
   if (first.scale) facts["scale"] = fmt::format("{:g}", *first.scale);
   return facts;
 }
@@ -132,9 +135,9 @@ Facts record(const std::vector<Prefilter>& levels) {
                                   exact ? "raise --max-error" : "use " + depth));
 }
 
-void tell(const Prefilter& p, const LevelInFile& made) {
+void tell(const PrefilterOptions& p, const LevelInFile& made) {
   const Prefiltered& done = made.done;
-  std::string line = fmt::format("{}, {}: {}, {:.3f} s", words(p), p.size, method_name(done), done.seconds);
+  std::string line = fmt::format("{}, {}: {}, {:.3f} s", words(p.lobe), p.size, method_name(done), done.seconds);
   if (done.error > 0)
     line += fmt::format(", {} to {:.1e}", made.sampled ? "the texels measured" : "every texel", done.error);
   if (done.method != Method::exact && done.exact > 0) line += fmt::format(", {} summed exactly", done.exact);
@@ -144,10 +147,10 @@ void tell(const Prefilter& p, const LevelInFile& made) {
   if (!work.empty()) detail("steps: " + work);
 }
 
-void add_level(Report& report, const Prefilter& p, const LevelInFile& made) {
+void add_level(Report& report, const PrefilterOptions& p, const LevelInFile& made) {
   const Prefiltered& done = made.done;
   report.append("levels[]");
-  report.put("levels[].parameter", p.shape == Shape::diffuse ? ReportValue(nullptr) : p.parameter);
+  report.put("levels[].parameter", p.lobe.shape() == LobeShape::diffuse ? ReportValue(nullptr) : p.lobe.parameter());
   report.put("levels[].size", p.size);
   report.put("levels[].method", method_name(done));
   report.put("levels[].seconds", done.seconds);
@@ -157,7 +160,7 @@ void add_level(Report& report, const Prefilter& p, const LevelInFile& made) {
 
 // Of Charlie its own table; of GGX, and of the diffuse map that goes with it, GGX's.
 void write_brdf_table(const Request& o) {
-  const bool sheen = o.lobe == Shape::charlie;
+  const bool sheen = o.lobe == LobeShape::charlie;
   const std::vector<Colour> table =
       (sheen ? sheen_table : brdf_table)(o.table_size, {.progress = progress_line("brdf table")});
   write_table(o.table, table, o.table_size, sheen ? "charlie" : "ggx", settings().commit);
@@ -186,15 +189,15 @@ void leave_to_prefilter(Request& o, const ErrorBudget& error) {
   }
 }
 
-std::vector<int> sizes_of(const std::vector<Prefilter>& levels) {
+std::vector<int> sizes_of(const std::vector<PrefilterOptions>& levels) {
   std::vector<int> sizes;
-  for (const Prefilter& p : levels) sizes.push_back(p.size);
+  for (const PrefilterOptions& p : levels) sizes.push_back(p.size);
   return sizes;
 }
 
 // Of each level, what --shard leaves to this run.
 void choose_rows(const Request& o, const std::optional<Rounding>& rounding, const WriteOptions& how,
-                 std::vector<Prefilter>& wanted) {
+                 std::vector<PrefilterOptions>& wanted) {
   if (!o.shard.part) return;
   if (!o.table.empty()) throw UsageError("--shard: use a separate command for --brdf-table");
   if (o.max_error && (!rounding || rounding->read_back))
@@ -208,7 +211,7 @@ void choose_rows(const Request& o, const std::optional<Rounding>& rounding, cons
 const EngineMap* resolve_engine(Request& o) {
   if (!o.engine) return nullptr;
   o.engine = &row_for(*o.engine, o.output, o.write);
-  const EngineMap& map = prefiltered_of(*o.engine, o.lobe == Shape::diffuse);
+  const EngineMap& map = prefiltered_of(*o.engine, o.lobe == LobeShape::diffuse);
   if (!map.chain && map.diffuse == 0 && !o.lobe)
     throw UsageError(
         fmt::format("--for {0}: {1} makes rough and diffuse light itself: use 'envmap bake --for {0}', or "
@@ -220,8 +223,8 @@ const EngineMap* resolve_engine(Request& o) {
   if (o.scale)
     throw UsageError(fmt::format("--for {}: its levels keep white as it is: remove --scale", o.engine->name));
   if (!o.size) o.size = map.chain->size;
-  o.map.shape = o.lobe.value_or(Shape::ggx);
-  if (o.map.shape == Shape::ggx && !o.roughness && o.roughnesses.empty())
+  o.shape = o.lobe.value_or(LobeShape::ggx);
+  if (o.shape == LobeShape::ggx && !o.roughness && o.roughnesses.empty())
     o.roughnesses = level_roughnesses(map, *o.size, o.levels, "--size");
   return &map;
 }
@@ -229,29 +232,29 @@ const EngineMap* resolve_engine(Request& o) {
 // Sizes and frame, now that the source is known.
 void choose_frame(Request& o, const EnvironmentMap& source) {
   o.map.size = o.size                          ? *o.size
-               : o.map.shape == Shape::diffuse ? matching_size(Projection::cube, 64, o.map.to)
+               : o.shape == LobeShape::diffuse ? matching_size(Projection::cube, 64, o.map.to)
                                                : matching_size(source.projection(), source.base().height(), o.map.to);
   o.map.forward = has_forward(o.map.to) ? o.forward.value_or(Forward::plus_z) : Forward::plus_z;
 }
 
 // A level as the file will hold it. A mirror's level of an engine's chain is the environment as `convert` makes it:
 // what the engine shows is then no sharper than its texels.
-LevelInFile make_one(const PrefilterSource& prepared, const EngineMap* engine, const EnvironmentMap& source,
-                     const ErrorBudget& budget, const Prefilter& wanted) {
-  if (engine && is_mirror(wanted))
+LevelInFile make_one(const Prefilterer& prepared, const EngineMap* engine, const EnvironmentMap& source,
+                     const ErrorBudget& budget, const PrefilterOptions& wanted) {
+  if (engine && wanted.lobe.is_mirror())
     return resample_level(source, {wanted.to, wanted.forward}, wanted.size, budget, settings().verbose, wanted.rows);
-  return make_level(prepared, wanted, budget, settings().verbose, progress_line("prefilter " + words(wanted)));
+  return make_level(prepared, wanted, budget, settings().verbose, progress_line("prefilter " + words(wanted.lobe)));
 }
 
 EnvironmentMap make_levels(const Request& o, const EngineMap* engine, const EnvironmentMap& source,
-                           const ErrorBudget& budget, const std::vector<Prefilter>& wanted, Report& report) {
-  const PrefilterSource prepared(source);
+                           const ErrorBudget& budget, const std::vector<PrefilterOptions>& wanted, Report& report) {
+  const Prefilterer prepared(borrowed(source));
   if (const EnvironmentMap& cube = prepared.source(); settings().verbose && &cube != &source)
     note(fmt::format(
         "{}: prefiltered as the cube of {} that 'convert --filter area' makes of it; errors count from that", o.input,
         cube.base().height()));
   EnvironmentMap made{.levels = {}, .forward = o.map.forward};
-  for (const Prefilter& p : wanted) {
+  for (const PrefilterOptions& p : wanted) {
     if (!p.rows.empty() && std::ranges::find(p.rows, 1) == p.rows.end()) {  // Another part has them all.
       made.levels.emplace_back(p.to, p.size);
       continue;
@@ -261,10 +264,10 @@ EnvironmentMap make_levels(const Request& o, const EngineMap* engine, const Envi
       tell(p, level);
       add_level(report, p, level);
       if (level.rounded > 0 && settings().verbose)
-        note(fmt::format("{}: in the file as {}", words(p), rounding_words(*budget.rounding, level.rounded)));
+        note(fmt::format("{}: in the file as {}", words(p.lobe), rounding_words(*budget.rounding, level.rounded)));
       made.levels.push_back(std::move(level.done.map.base()));
     } catch (const AccuracyError& e) {
-      refuse(o, fmt::format("{}: {}", words(p), e.what()));
+      refuse(o, fmt::format("{}: {}", words(p.lobe), e.what()));
     }
   }
   return made;
@@ -272,7 +275,7 @@ EnvironmentMap make_levels(const Request& o, const EngineMap* engine, const Envi
 
 // How to write the map, or this run's part of it. The first part has what the file holds beside texels.
 WriteOptions options_of(const Request& o, const Source& source, const EngineMap* engine,
-                        const std::vector<Prefilter>& levels) {
+                        const std::vector<PrefilterOptions>& levels) {
   WriteOptions how = o.write;
   how.facts = record(levels);
   how.provenance = source.provenance;
@@ -298,7 +301,7 @@ const EngineMap* resolve_options(Request& o) {
   if (out_of_working(o.write.colour).apply)
     throw UsageError("--output-space: must be a linear space for prefiltered light");
   if (!has_forward(o.to.value_or(Projection::cube))) o.read.assumed_forward = o.forward;
-  o.map.shape = o.lobe.value_or(Shape::diffuse);
+  o.shape = o.lobe.value_or(LobeShape::diffuse);
   const EngineMap* engine = resolve_engine(o);
   o.map.to = o.to.value_or(Projection::cube);
   o.map.scale = o.scale;
@@ -326,13 +329,13 @@ int run(Request& o, Report& report) {
   o.write.source_depth = is_integer(source.depth) ? Depth::half : source.depth;
   const ErrorBudget budget{o.max_error, mirrored(rounding_of(o.output, o.write), mirror)};
   leave_to_prefilter(o, budget);
-  std::vector<Prefilter> wanted = levels_of(o);
+  std::vector<PrefilterOptions> wanted = levels_of(o);
   const WriteOptions how = options_of(o, source, engine, wanted);
   choose_rows(o, budget.rounding, how, wanted);
   check_output(o.output, how, o.map.to, wanted.size() > 1);
 
   report.put("input", o.input);
-  report.put("lobe", name_of(o.map.shape));
+  report.put("lobe", name_of(o.shape));
   report.put("max_error", o.max_error.value_or(o.map.max_error));
   if (engine) add_frame(report, *o.engine, *engine);
   const EnvironmentMap made = make_levels(o, engine, source.map, budget, wanted, report);
@@ -355,7 +358,7 @@ Action define_prefilter(Options& o) {
   o.reads("INPUT", r->input, "File to read, or '-' for stdin ({face}: six files, {level}: one per level)");
   o.writes("OUTPUT", r->output, "File to write, or '-' for stdout ({face} and {level} as for INPUT)");
   o.group = "Lobe and levels";
-  o.add("--lobe", one_of(r->lobe, shape_names), "{} (default: diffuse, or the engine's)");
+  o.add("--lobe", one_of(r->lobe, lobe_shape_names), "{} (default: diffuse, or the engine's)");
   o.add("--roughness", "R", &r->roughness, range_of(limits::roughness),
         "Perceptual roughness of ggx and charlie, 0 to 1");
   o.add("--exponent", "M", &r->exponent, range_of(limits::exponent), "Exponent of phong and blinn-phong, 0 to 1e9");

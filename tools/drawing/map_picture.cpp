@@ -101,8 +101,8 @@ Picture ball(const Rotation& to_world, int size, const Show& show, const Radianc
 }
 
 // Sizes at which texels are finer than the lobe changes; errors of 1% are not seen.
-Prefilter lobe(Shape shape, double roughness, int size) {
-  return {.shape = shape, .parameter = roughness, .to = Projection::cube, .size = size, .max_error = 1e-2};
+PrefilterOptions on_ball(const Lobe& lobe, int size) {
+  return {.lobe = lobe, .to = Projection::cube, .size = size, .max_error = 1e-2};
 }
 
 // ---- histogram ------------------------------------------------------------------------------------------------------
@@ -185,14 +185,14 @@ TileRow lit_balls(const EnvironmentMap& map, const Show& show, int size) {
   const EnvironmentMap mirror = convert(map, {.to = {Projection::sphere, map.forward}, .size = size});
   MapPicture mirrored(mirror.base(), {}, show, size);
   row.push_back({std::move(mirrored.picture()), "mirror"});
-  const PrefilterSource source(map);
+  const Prefilterer source(borrowed(map));
   constexpr std::pair<double, int> rough[] = {{0.25, 128}, {0.5, 64}, {0.75, 32}};
   for (const auto& [roughness, finest] : rough) {
-    const EnvironmentLookup light(source.make(lobe(Shape::ggx, roughness, finest)).map);
+    const EnvironmentLookup light(source.make(on_ball(Lobe::ggx(roughness), finest)).map);
     row.push_back({ball(to_world, size, show, [&](const Direction&, const Direction& r) { return light(r); }),
                    fmt::format("GGX {}", roughness)});
   }
-  const EnvironmentLookup light(source.make(lobe(Shape::diffuse, unset_parameter, 32)).map);
+  const EnvironmentLookup light(source.make(on_ball(Lobe::diffuse(), 32)).map);
   row.push_back(
       {ball(to_world, size, show, [&](const Direction& n, const Direction&) { return light(n); }), "diffuse"});
   return row;

@@ -9,6 +9,7 @@
 #include "envmap/base/error.h"
 #include "envmap/scenes/grid_of_shot.h"
 #include "envmap/scenes/scene/camera.h"
+#include "envmap/scenes/write_grid.h"
 #include "maps/depfile.h"
 
 namespace tools {

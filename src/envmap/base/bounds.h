@@ -26,8 +26,8 @@ inline constexpr Bounds area_error{"area_error", 1e-7, 1};
 /// Less than the program takes, which halves it for a file's rounding.
 inline constexpr Bounds max_error{"max_error", 1e-9, 10};
 inline constexpr Bounds scale{"scale", 0, 1e30};
-inline constexpr Bounds exponent{"exponent", 0, 1e9};  ///< Prefilter::parameter of phong and blinn-phong.
-inline constexpr Bounds roughness{"roughness", 0, 1};  ///< Prefilter::parameter of ggx and charlie.
+inline constexpr Bounds exponent{"exponent", 0, 1e9};  ///< Of lobes: phong and blinn-phong.
+inline constexpr Bounds roughness{"roughness", 0, 1};  ///< Of lobes: ggx and charlie.
 inline constexpr Bounds gain{"gain", 0, 1e300};
 inline constexpr Bounds saturation{"saturation", 0, 100};
 inline constexpr Bounds levels{"levels", 1, 32};

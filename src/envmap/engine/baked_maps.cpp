@@ -89,11 +89,8 @@ BakedMap Baker::chain(const EngineMap& wanted, const ErrorBudget& budget, const 
     made.facts["roughness"] += fmt::format("{}{:g}", k == 0 ? "" : ",", roughnesses[k]);
     const int size = base >> k;
     const double share = 1 / double(roughnesses.size());
-    const Prefilter wanted_level{.shape = Shape::ggx,
-                                 .parameter = roughnesses[k],
-                                 .to = wanted.frame.projection,
-                                 .size = size};
-    LevelInFile level = is_mirror(wanted_level)
+    const PrefilterOptions wanted_level{.lobe = Lobe::ggx(roughnesses[k]), .to = wanted.frame.projection, .size = size};
+    LevelInFile level = wanted_level.lobe.is_mirror()
                             ? resample_level(source_, wanted.frame, size, budget, false)
                             : lobe(wanted_level, budget, part_progress(progress, share * double(k), share));
     made.levels.levels.push_back(std::move(level.done.map.base()));
@@ -107,16 +104,16 @@ BakedMap Baker::chain(const EngineMap& wanted, const ErrorBudget& budget, const 
 BakedMap Baker::diffuse(const EngineMap& wanted, const ErrorBudget& budget, const Progress& progress) {
   BakedMap made{.facts = {{"lobe", "diffuse"}}};
   const int size = scaled(wanted.diffuse, options_.quality.chain);
-  const Prefilter diffuse{.to = wanted.frame.projection, .size = size, .forward = wanted.frame.forward};
+  const PrefilterOptions diffuse{.to = wanted.frame.projection, .size = size, .forward = wanted.frame.forward};
   made.levels = std::move(lobe(diffuse, budget, progress).done.map);
   made.rows = all_rows_of(made.levels);
   made.accuracy = of_lobes(budget, options_.quality.max_error);
   return made;
 }
 
-LevelInFile Baker::lobe(const Prefilter& wanted, const ErrorBudget& budget, const Progress& progress) {
-  if (!prepared_) prepared_ = std::make_unique<PrefilterSource>(source_);
-  Prefilter within = wanted;
+LevelInFile Baker::lobe(const PrefilterOptions& wanted, const ErrorBudget& budget, const Progress& progress) {
+  if (!prepared_) prepared_ = std::make_unique<Prefilterer>(borrowed(source_));
+  PrefilterOptions within = wanted;
   within.max_error = budget.asked ? left_to_prefilter(budget) : options_.quality.max_error;
   return make_level(*prepared_, within, budget, false, progress);
 }

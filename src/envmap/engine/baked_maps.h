@@ -47,11 +47,11 @@ class Baker {
   [[nodiscard]] BakedMap environment(const EngineMap& wanted, const ErrorBudget& budget) const;
   [[nodiscard]] BakedMap chain(const EngineMap& wanted, const ErrorBudget& budget, const Progress& progress);
   [[nodiscard]] BakedMap diffuse(const EngineMap& wanted, const ErrorBudget& budget, const Progress& progress);
-  [[nodiscard]] LevelInFile lobe(const Prefilter& wanted, const ErrorBudget& budget, const Progress& progress);
+  [[nodiscard]] LevelInFile lobe(const PrefilterOptions& wanted, const ErrorBudget& budget, const Progress& progress);
 
   const EnvironmentMap& source_;
   BakeOptions options_;
-  std::unique_ptr<PrefilterSource> prepared_;
+  std::unique_ptr<Prefilterer> prepared_;
 };
 
 }  // namespace envmap

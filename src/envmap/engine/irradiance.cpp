@@ -5,13 +5,12 @@
 #include <vector>
 
 #include "envmap/io/formats/json_array.h"
+#include "envmap/prefilter/harmonic_norms.h"
 
 namespace envmap {
 namespace {
 
-// What orthonormal harmonics have before 1; y, z and x; xy, yz and zx; 3z^2 - 1; x^2 - y^2.
-constexpr double n0 = 0.28209479177387814, n1 = 0.4886025119029199, n2 = 1.0925484305920792, n20 = 0.31539156525252005;
-constexpr double n22 = n2 / 2;
+using namespace harmonic_norms;
 
 std::string colour(const Flux& f) { return json_array({f.x, f.y, f.z}); }
 

@@ -40,14 +40,14 @@ double left_to_filter(const ErrorBudget& budget) {
   return (*budget.asked - rounded) / (1 + rounded);
 }
 
-LevelInFile make_level(const PrefilterSource& source, const Prefilter& wanted, const ErrorBudget& budget, bool measure,
-                       const Progress& progress) {
+LevelInFile make_level(const Prefilterer& source, const PrefilterOptions& wanted, const ErrorBudget& budget,
+                       bool measure, const Progress& progress) {
   LevelInFile made{source.make(wanted, {.progress = progress})};
   if (!budget.rounding || !(budget.asked || measure)) return made;
   const auto rounded = [&] { return rounding_error(*budget.rounding, made.done.map.base(), made.done.floor); };
   made.rounded = rounded();
   if (budget.asked && made.in_file() > *budget.asked && made.rounded < *budget.asked) {
-    Prefilter closer = wanted;
+    PrefilterOptions closer = wanted;
     closer.max_error = 0.9 * (*budget.asked - made.rounded);
     made.done = source.make(closer, {.progress = progress});
     made.rounded = rounded();

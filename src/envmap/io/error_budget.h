@@ -41,8 +41,8 @@ struct LevelInFile {
 /// @param wanted its max_error is left_to_prefilter(). @param measure whether `rounded` is wanted where nothing was
 /// asked.
 /// @throws AccuracyError where the file errs by more than was asked.
-LevelInFile make_level(const PrefilterSource& source, const Prefilter& wanted, const ErrorBudget& budget, bool measure,
-                       const Progress& progress);
+LevelInFile make_level(const Prefilterer& source, const PrefilterOptions& wanted, const ErrorBudget& budget,
+                       bool measure, const Progress& progress);
 
 /// The environment itself, resampled as `envmap convert` does. @param rows which to make, as Prefilter::rows.
 /// @throws AccuracyError as make_level().

@@ -5,7 +5,7 @@
 #include "envmap/light/lights.h"
 #include "envmap/maths/portable.h"
 #include "envmap/operate/grade.h"
-#include "envmap/prefilter/lobe.h"
+#include "envmap/prefilter/lobe_formulas.h"
 
 namespace envmap {
 namespace {

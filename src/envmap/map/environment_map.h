@@ -5,6 +5,7 @@
 #include <cassert>
 #include <cstddef>
 #include <iterator>
+#include <memory>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -143,6 +144,11 @@ struct EnvironmentMap {
  private:
   [[noreturn]] static Level& no_level();
 };
+
+/// A pointer that does not own the map: where a map is shared, it stands for one that outlives all use of it.
+inline std::shared_ptr<const EnvironmentMap> borrowed(const EnvironmentMap& map) {
+  return {std::shared_ptr<const EnvironmentMap>(), &map};
+}
 
 /// @throws UsageError where the levels are no mip chain as write() and pack() take them: one projection, each level
 /// half the one before, rounded down, and none after that of one texel.

@@ -87,7 +87,7 @@ double cost_of(const Job& job, const TreecodeLobe& lobe) {
 }
 
 // The quickest plan. The rows of the finest grid are free: the near field takes what is too narrow for it.
-std::optional<MultilevelPlan> quickest_plan(const Job& job, const Lobe& lobe, double& cost) {
+std::optional<MultilevelPlan> quickest_plan(const Job& job, const LobeFormula& lobe, double& cost) {
   std::optional<MultilevelPlan> best;
   for (int rows = 256; rows <= 2048; rows *= 2) {
     auto plan = multilevel_plan(lobe, job.error, rows, job.source.projection());
@@ -101,7 +101,7 @@ std::optional<MultilevelPlan> quickest_plan(const Job& job, const Lobe& lobe, do
 
 }  // namespace
 
-Choice choose(const Lobe& lobe, const Level& source, double texels, double error, Method wanted) {
+Choice choose(const LobeFormula& lobe, const Level& source, double texels, double error, Method wanted) {
   const Job job{source, texels, error};
   const bool any = wanted == Method::automatic;
   Choice best;

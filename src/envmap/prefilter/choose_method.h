@@ -21,6 +21,6 @@ struct Choice {
 };
 
 /// @param texels of the whole result. @param wanted a method, or automatic for the quickest.
-Choice choose(const Lobe& lobe, const Level& source, double texels, double error, Method wanted);
+Choice choose(const LobeFormula& lobe, const Level& source, double texels, double error, Method wanted);
 
 }  // namespace envmap::prefiltering

@@ -18,6 +18,7 @@
 #include "envmap/maths/quadrature.h"
 #include "envmap/operate/refuse_flaws.h"
 #include "envmap/prefilter/cell_moments.h"
+#include "envmap/prefilter/lobe_formulas.h"
 #include "envmap/prefilter/source_cube.h"
 #include "envmap/projection/visit.h"
 
@@ -239,10 +240,11 @@ EnvironmentMap evaluate(const Harmonics& h, Projection to, int size, Forward for
 
 std::vector<double> zonal(const Lobe& lobe, int order) {
   check_range({"order", 0, 100000}, order);
-  const auto value = [&](double x) { return std::visit([x](const auto& l) { return l.value(x); }, lobe); };
+  const LobeFormula formula = formula_of(lobe);
+  const auto value = [&](double x) { return std::visit([x](const auto& l) { return l.value(x); }, formula); };
   // Panels that halve towards the middle of the lobe, as far as it changes, and towards the horizon, where it may be
   // bent.
-  const double width = std::visit([](const auto& l) { return l.width(); }, lobe);
+  const double width = std::visit([](const auto& l) { return l.width(); }, formula);
   std::vector<double> breaks{0};
   for (int k = std::min(-1, std::ilogb(width) - 8); k <= -1; ++k) breaks.push_back(std::ldexp(1.0, k));
   for (int k = -2; k >= -40; --k) breaks.push_back(1 - std::ldexp(1.0, k));

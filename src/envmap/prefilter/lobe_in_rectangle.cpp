@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "envmap/prefilter/lobe.h"
+#include "envmap/prefilter/lobe_formulas.h"
 
 namespace envmap::prefiltering {
 namespace {

@@ -9,7 +9,7 @@
 #endif
 
 #include "envmap/prefilter/fast_math-inl.h"
-#include "envmap/prefilter/lobe.h"
+#include "envmap/prefilter/lobe_formulas.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace envmap::prefiltering {

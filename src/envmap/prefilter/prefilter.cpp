@@ -1,4 +1,4 @@
-// PrefilterSource: checks the options, chooses a method, makes the map, and sums the texels exactly whose bounds exceed
+// Prefilterer: checks the options, chooses a method, makes the map, and sums the texels exactly whose bounds exceed
 // the error that was asked for.
 #include "envmap/prefilter/prefilter.h"
 
@@ -24,6 +24,7 @@
 #include "envmap/prefilter/choose_method.h"
 #include "envmap/prefilter/error_floor.h"
 #include "envmap/prefilter/exact/exact.h"
+#include "envmap/prefilter/lobe_formulas.h"
 #include "envmap/prefilter/prefix_sums/prefix_sums.h"
 #include "envmap/prefilter/prepared_source.h"
 #include "envmap/prefilter/sheen/sheen.h"
@@ -58,13 +59,13 @@ void scale(Level& level, double factor) {
 }
 
 // The factor of Prefilter::scale over a normalised lobe.
-double factor(const Prefilter& p) {
+double factor(const PrefilterOptions& p) {
   if (!p.scale) return 1;
-  return p.shape == Shape::phong ? *p.scale * 2 * pi / (p.parameter + 1) : *p.scale;
+  return p.lobe.shape() == LobeShape::phong ? *p.scale * 2 * pi / (p.lobe.parameter() + 1) : *p.scale;
 }
 
 // A mirror shows the texels of the source, or its mean over each texel where the result has another grid.
-void make_mirror(const EnvironmentMap& source, const Prefilter& p, Prefiltered& done) {
+void make_mirror(const EnvironmentMap& source, const PrefilterOptions& p, Prefiltered& done) {
   ConvertOptions how{.to = {p.to, p.forward}, .size = p.size};
   done.resampled = Filter::nearest;
   if (!keeps_texels(source, how)) {
@@ -100,7 +101,7 @@ struct Make {
 
 // Makes a map by the wanted method, with the bounds of its texels. All decisions follow from the whole map, whatever
 // rows are wanted. @param texels of the whole map. @return the method; exact where prefilter sums the texels exactly.
-Method make_fast(PreparedSource& from, const Prefilter& wanted, const Lobe& lobe, std::size_t texels,
+Method make_fast(PreparedSource& from, const PrefilterOptions& wanted, const LobeFormula& lobe, std::size_t texels,
                  const TargetTexels& map) {
   const double error = wanted.max_error;
   if (wanted.method == Method::exact || error < finest) return Method::exact;
@@ -113,10 +114,10 @@ Method make_fast(PreparedSource& from, const Prefilter& wanted, const Lobe& lobe
 }
 
 // Makes a map. Texels whose bounds exceed the error are summed exactly.
-void make_lobe(PreparedSource& from, const Prefilter& wanted, const Target& target, const Progress& progress,
+void make_lobe(PreparedSource& from, const PrefilterOptions& wanted, const Target& target, const Progress& progress,
                Prefiltered& done) {
   Level& out = done.map.base();
-  const Lobe lobe = lobe_of(wanted);
+  const LobeFormula lobe = formula_of(wanted.lobe);
   std::vector<float> bounds(index_of(out, {out.faces(), 0, 0}), std::numeric_limits<float>::infinity());
   const TargetTexels map{target, wanted.rows, out, bounds, progress};
   std::vector<Texel> all = texels_of(out), left;
@@ -132,8 +133,7 @@ void make_lobe(PreparedSource& from, const Prefilter& wanted, const Target& targ
   if (left.size() == all.size()) done.method = Method::exact;
 }
 
-void check(const Prefilter& p) {
-  check_enumerator("shape", p.shape);
+void check(const PrefilterOptions& p) {
   check_enumerator("to", p.to);
   check_enumerator("method", p.method);
   check_enumerator("forward", p.forward);
@@ -144,34 +144,7 @@ void check(const Prefilter& p) {
   if (!p.rows.empty() && p.rows.size() != rows)
     throw UsageError(
         fmt::format("rows must be empty or {} flags, one for each row of each face, not {}", rows, p.rows.size()));
-  (void)lobe_of(p);
-}
-
-// The field is `parameter`, whatever the lobe calls it.
-void check_parameter(const Prefilter& p) {
-  const std::string_view shape = shape_names[number_of("shape", p.shape)];
-  const bool given = !std::isnan(p.parameter);
-  if (p.shape == Shape::diffuse) {
-    if (given) throw UsageError(fmt::format("{} takes no parameter: leave it unset, not {:g}", shape, p.parameter));
-    return;
-  }
-  const bool power = p.shape == Shape::phong || p.shape == Shape::blinn_phong;
-  const Bounds& range = power ? limits::exponent : limits::roughness;
-  if (!given) throw UsageError(fmt::format("{} needs a parameter, its {}: it is unset, or NaN", shape, range.field));
-  check_range({"parameter", range.least, range.most}, p.parameter);
-}
-
-Lobe lobe_by_shape(const Prefilter& p) {
-  check_parameter(p);
-  switch (p.shape) {
-    case Shape::diffuse: return Cosine{};
-    case Shape::phong: return p.parameter == 1 ? Lobe(Cosine{}) : Lobe(Phong{p.parameter});
-    case Shape::blinn_phong: return p.parameter == 0 ? Lobe(Cosine{}) : Lobe(BlinnPhong(p.parameter));
-    case Shape::ggx:
-    case Shape::charlie: break;
-  }
-  if (p.shape == Shape::ggx) return Ggx(p.parameter);
-  return Charlie(p.parameter);
+  check_method(p);
 }
 
 }  // namespace
@@ -180,46 +153,41 @@ std::string_view method_name(const Prefiltered& done) {
   return done.resampled ? name(*done.resampled) : method_names[number_of("method", done.method)];
 }
 
-Lobe lobe_of(const Prefilter& p) {
-  const Lobe lobe = lobe_by_shape(p);
-  if (p.method == Method::prefix_sums && !is_mirror(p) && !clamped_cosine_polynomial(lobe))
+void check_method(const PrefilterOptions& p) {
+  if (p.lobe.is_mirror()) return;
+  const LobeFormula lobe = formula_of(p.lobe);
+  if (p.method == Method::prefix_sums && !clamped_cosine_polynomial(lobe))
     throw UsageError("prefix sums make diffuse maps, phong of exponent 1, 2 or 3 and ggx of roughness 1");
-  if (p.method == Method::multilevel && !is_mirror(p) && !clamped_cosine_polynomial(lobe) &&
-      !multilevel_plan(lobe, p.max_error) && !sheen_plan(lobe, p.max_error))
+  if (p.method == Method::multilevel && !clamped_cosine_polynomial(lobe) && !multilevel_plan(lobe, p.max_error) &&
+      !sheen_plan(lobe, p.max_error))
     throw UsageError(
         "multilevel sums make diffuse maps, phong of exponent 1, 2, 3 and from 3.6, blinn-phong from 2, ggx, and "
-        "charlie "
-        "up to roughness 0.35, for errors from 1e-4");
-  return lobe;
+        "charlie up to roughness 0.35, for errors from 1e-4");
 }
 
-PrefilterSource::PrefilterSource(const EnvironmentMap& map, const Run& run)
+Prefilterer::Prefilterer(std::shared_ptr<const EnvironmentMap> map, const Run& run)
     : prepared_(run_operation(run, [&](const Progress& progress) {
-        return std::make_unique<PreparedSource>(std::nullopt, &map, progress);
+        return std::make_unique<PreparedSource>(std::move(map), progress);
       })) {}
-PrefilterSource::PrefilterSource(EnvironmentMap&& map, const Run& run)
-    : prepared_(run_operation(run, [&](const Progress& progress) {
-        return std::make_unique<PreparedSource>(std::move(map), nullptr, progress);
-      })) {}
-PrefilterSource::~PrefilterSource() = default;
-PrefilterSource::PrefilterSource(PrefilterSource&&) noexcept = default;
-PrefilterSource& PrefilterSource::operator=(PrefilterSource&&) noexcept = default;
+Prefilterer::~Prefilterer() = default;
+Prefilterer::Prefilterer(Prefilterer&&) noexcept = default;
+Prefilterer& Prefilterer::operator=(Prefilterer&&) noexcept = default;
 
-const EnvironmentMap& PrefilterSource::source() const { return prepared_->map; }
+const EnvironmentMap& Prefilterer::source() const { return prepared_->map; }
 
-Prefiltered PrefilterSource::make(const Prefilter& wanted, const Run& run) const {
+Prefiltered Prefilterer::make(const PrefilterOptions& wanted, const Run& run) const {
   check(wanted);
   return run_operation(run, [&](const Progress& progress) { return make_now(wanted, progress); });
 }
 
-Prefiltered PrefilterSource::make_now(const Prefilter& wanted, const Progress& progress) const {
+Prefiltered Prefilterer::make_now(const PrefilterOptions& wanted, const Progress& progress) const {
   const auto start = std::chrono::steady_clock::now();
   const EnvironmentMap& from = source();
   const WorkDone before = work_done();
   Prefiltered done{.map = {}, .method = Method::exact};
   done.map.levels.emplace_back(wanted.to, wanted.size);
   done.map.forward = has_forward(wanted.to) ? wanted.forward : Forward::plus_z;
-  if (is_mirror(wanted)) {
+  if (wanted.lobe.is_mirror()) {
     make_mirror(from, wanted, done);
   } else {
     const Rotation turn = glm::transpose(image_to_world(from.forward)) * image_to_world(done.map.forward);
@@ -235,15 +203,16 @@ Prefiltered PrefilterSource::make_now(const Prefilter& wanted, const Progress& p
   return done;
 }
 
-PrefilteredChain PrefilterSource::make_chain(const Prefilter& base, std::span<const double> parameters,
-                                             const Run& run) const {
-  if (parameters.empty()) throw UsageError("parameters must not be empty: a chain has a level for each");
+PrefilteredChain Prefilterer::make_chain(std::span<const Lobe> lobes, const PrefilterOptions& base,
+                                         const Run& run) const {
+  if (lobes.empty()) throw UsageError("lobes must not be empty: a chain has a level for each");
+  if (base.lobe.shape() != LobeShape::diffuse) throw UsageError("the lobes of a chain are those of its levels");
   if (!base.rows.empty()) throw UsageError("rows must be empty: a chain is made whole");
-  std::vector<Prefilter> wanted(parameters.size(), base);
+  std::vector<PrefilterOptions> wanted(lobes.size(), base);
   std::vector<LevelSize> sizes;
   double texels = 0;
   for (std::size_t k = 0; k < wanted.size(); ++k) {
-    wanted[k].parameter = parameters[k];
+    wanted[k].lobe = lobes[k];
     if (k > 0) wanted[k].size = std::max(1, wanted[k - 1].size / 2);
     check(wanted[k]);
     sizes.push_back({wanted[k].size * aspect(base.to), wanted[k].size});
@@ -254,7 +223,7 @@ PrefilteredChain PrefilterSource::make_chain(const Prefilter& base, std::span<co
   return run_operation(run, [&](const Progress& progress) {
     PrefilteredChain chain{.map = {.levels = {}, .forward = {}}, .levels = {}};
     double done = 0;
-    for (const Prefilter& level : wanted) {
+    for (const PrefilterOptions& level : wanted) {
       const double part = texel_count(level.to, level.size);
       Prefiltered made = make_now(level, part_progress(progress, done / texels, part / texels));
       chain.map.forward = made.map.forward;

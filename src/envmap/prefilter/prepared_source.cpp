@@ -8,15 +8,19 @@
 
 namespace envmap::prefiltering {
 
-PreparedSource::PreparedSource(std::optional<EnvironmentMap>&& given, const EnvironmentMap* lent,
-                               const Progress& progress)
-    : taken_(std::move(given)),
-      cube_(source_cube(require_radiance(taken_ ? *taken_ : *lent), progress)),
-      map(cube_    ? *cube_
-          : taken_ ? *taken_
-                   : *lent),
-      light(totals(map.base())),
-      fine_(refined(map.base())) {}
+namespace {
+
+// The map, or its cube in its place.
+std::shared_ptr<const EnvironmentMap> prepared(std::shared_ptr<const EnvironmentMap> given, const Progress& progress) {
+  if (!given) throw UsageError("a prefilter needs a map: the pointer is null");
+  auto cube = source_cube(require_radiance(*given), progress);
+  return cube ? std::make_shared<const EnvironmentMap>(*std::move(cube)) : given;
+}
+
+}  // namespace
+
+PreparedSource::PreparedSource(std::shared_ptr<const EnvironmentMap> given, const Progress& progress)
+    : held_(prepared(std::move(given), progress)), map(*held_), light(totals(map.base())), fine_(refined(map.base())) {}
 
 const Colour& PreparedSource::min_radiance() {
   if (!min_radiance_) min_radiance_ = min_radiance_of(texels());

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <map>
+#include <memory>
 #include <mutex>
 #include <optional>
 
@@ -15,15 +16,15 @@
 namespace envmap::prefiltering {
 
 class PreparedSource {
-  const std::optional<EnvironmentMap> taken_, cube_;
+  const std::shared_ptr<const EnvironmentMap> held_;
 
  public:
   const EnvironmentMap& map;  ///< A cube or latlong map. A map of another projection is converted to a cube.
   const Totals light;
   std::timed_mutex in_use;  ///< Held while a map is made: one at a time.
 
-  /// @param given a map to keep; else `lent` must outlive this. @throws InputError where a texel is no radiance.
-  PreparedSource(std::optional<EnvironmentMap>&& given, const EnvironmentMap* lent, const Progress& progress);
+  /// @throws UsageError where there is no map, InputError where a texel is no radiance.
+  PreparedSource(std::shared_ptr<const EnvironmentMap> given, const Progress& progress);
 
   [[nodiscard]] const Level& texels() const { return map.base(); }
   [[nodiscard]] const Tree& tree();

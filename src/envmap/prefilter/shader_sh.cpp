@@ -2,14 +2,13 @@
 
 #include "envmap/base/part_progress.h"
 #include "envmap/base/run_operation.h"
+#include "envmap/prefilter/harmonic_norms.h"
 #include "envmap/prefilter/harmonics_window.h"
 
 namespace envmap {
 namespace {
 
-// What orthonormal harmonics have before 1; y, z and x; xy, yz and zx; 3z^2 - 1; x^2 - y^2.
-constexpr double n0 = 0.28209479177387814, n1 = 0.4886025119029199, n2 = 1.0925484305920792, n20 = 0.31539156525252005;
-constexpr double n22 = n2 / 2;
+using namespace harmonic_norms;
 
 // The factors before the functions of ShBasis. The polar axis of harmonics.h is Y, theirs Z: with x^2 + y^2 + z^2 = 1,
 // a (3y^2 - 1) + b (z^2 - x^2) = (b - a)/2 (3z^2 - 1) - (3a + b)/2 (x^2 - y^2).

@@ -12,6 +12,7 @@
 #include "envmap/maths/check_direction.h"
 #include "envmap/operate/check_options.h"
 #include "envmap/operate/convert.h"
+#include "envmap/prefilter/harmonic_norms.h"
 #include "envmap/projection/visit.h"
 #include "envmap/scenes/check_drawing.h"
 #include "envmap/scenes/grid_of_shot.h"
@@ -244,9 +245,9 @@ Flux IrradianceGrid::irradiance(const Direction& at, const Direction& normal) co
     high[std::size_t(axis)] = std::min(int(cell) + 1, last);
     part[axis] = cell - int(cell);
   }
-  // Of orthonormal harmonics, times pi, 2 pi / 3 and pi / 4 (Ramamoorthi and Hanrahan 2001).
-  constexpr double c0 = 0.8862269254527579, c1 = 1.0233267079464885, c2 = 0.8580855308097834;
-  constexpr double c20 = 0.24770795610037571, c22 = c2 / 2;
+  // Irradiance has degrees 0, 1 and 2 times pi, 2 pi / 3 and pi / 4 (Ramamoorthi and Hanrahan 2001).
+  using namespace harmonic_norms;
+  constexpr double c0 = pi * n0, c1 = 2 * pi / 3 * n1, c2 = pi / 4 * n2, c20 = pi / 4 * n20, c22 = pi / 4 * n22;
   const double basis[9] = {c0,
                            c1 * n.y,
                            c1 * n.z,

@@ -9,7 +9,6 @@
 
 #include "envmap/base/export.h"
 #include "envmap/base/run.h"
-#include "envmap/io/files/commit.h"
 #include "envmap/prefilter/shader_sh.h"
 #include "envmap/scenes/light.h"
 #include "envmap/scenes/scene.h"
@@ -71,13 +70,5 @@ IrradianceGrid irradiance_grid(const Scene& scene, const GridOptions& options = 
 /// 2006, "Shading in Valve's Source Engine").
 using AmbientCube = std::array<Colour, 6>;
 std::vector<AmbientCube> ambient_cubes(const IrradianceGrid& grid);
-
-/// Writes .json, or a .ktx2 of half floats as Bevy's IrradianceVolume takes it: a volume of cells[0] x 2 cells[1] x
-/// 3 cells[2] texels (crates/bevy_pbr/src/light_probe/irradiance_volume.wgsl). @throws UsageError where the name has
-/// another extension, OutputError where the file cannot be written, or half floats cannot hold the light.
-void write_grid(const std::string& path, const IrradianceGrid& grid, const CommitOptions& commit = {});
-
-/// Says early what write_grid() would say late. @throws UsageError, OutputError.
-void check_grid_file(const std::string& path);
 
 }  // namespace envmap

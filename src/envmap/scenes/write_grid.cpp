@@ -1,4 +1,5 @@
-// Irradiance grids as files.
+#include "envmap/scenes/write_grid.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,7 +11,6 @@
 #include "envmap/io/formats/json_array.h"
 #include "envmap/io/formats/ktx.h"
 #include "envmap/io/texels/texels.h"
-#include "envmap/scenes/irradiance_grid.h"
 
 namespace envmap {
 namespace {

@@ -92,7 +92,7 @@ void add_map(Report& data, const EnvironmentMap& map, int size, double scale) {
 }
 
 // Roughness k / (n - 1) on faces of size / 2^k, down to 8 texels. Roughness 0 is the map, which the page has already.
-void add_ggx(Report& data, const PrefilterSource& source, int size, double scale) {
+void add_ggx(Report& data, const Prefilterer& source, int size, double scale) {
   constexpr int least = 8;
   int count = 2;
   while (size >> count >= least) ++count;
@@ -100,7 +100,7 @@ void add_ggx(Report& data, const PrefilterSource& source, int size, double scale
   for (int k = 1; k < count; ++k) {
     const double roughness = double(k) / (count - 1);
     const Prefiltered made =
-        source.make({.shape = Shape::ggx, .parameter = roughness, .size = std::max(1, size >> k), .max_error = 1e-2});
+        source.make({.lobe = Lobe::ggx(roughness), .size = std::max(1, size >> k), .max_error = 1e-2});
     add(data, "ggx", page_level(fmt::format("GGX, roughness {:.2g}", roughness), made.map.base(), scale));
   }
 }
@@ -135,7 +135,7 @@ std::string json_in_html(const Report& data) {
 
 std::string html_page(const Source& source, const PageOptions& o) {
   const double scale = scale_for(source);
-  const PrefilterSource prefilter(source.map);
+  const Prefilterer prefilter(borrowed(source.map));
   const std::string divided =
       scale > 1 ? fmt::format(", after a division by {:g} that brings the brightest into it", scale) : "";
   Report data;
@@ -154,7 +154,7 @@ std::string html_page(const Source& source, const PageOptions& o) {
                        o.size, divided));
   add_map(data, source.map, o.size, scale);
   add_ggx(data, prefilter, o.size, scale);
-  const Prefiltered diffuse = prefilter.make({.shape = Shape::diffuse, .size = 32, .max_error = 1e-2});
+  const Prefiltered diffuse = prefilter.make({.lobe = Lobe::diffuse(), .size = 32, .max_error = 1e-2});
   add(data, "diffuse", page_level("diffuse light, white", diffuse.map.base(), scale));
   return filled(page_source("page.html"), {{"title", in_markup(o.file)},
                                            {"style", std::string(page_source("page.css"))},

@@ -30,7 +30,7 @@ constexpr double closer = 0.1;  // The reference is, than what a quality asks fo
 // Each level as float64 has it, nearly, at the size that it has in the file. Made once for each size.
 class Truths {
  public:
-  explicit Truths(const EnvironmentMap& source) : source_(source), prepared_(source) {}
+  explicit Truths(const EnvironmentMap& source) : source_(source), prepared_(borrowed(source)) {}
 
   const Level& of(const EngineMap& map, double roughness, int size, double error) {
     const auto key = std::tuple(map.file, roughness, size, error);
@@ -43,19 +43,19 @@ class Truths {
   [[nodiscard]] Level made(const EngineMap& map, double roughness, int size, double error) const {
     const bool lobe = map.diffuse > 0 || roughness > 0;
     const Level level =
-        lobe ? std::move(prepared_.make(lobe_of(map, roughness, size, error)).map.base())
+        lobe ? std::move(prepared_.make(options_of(map, roughness, size, error)).map.base())
              : level_of(Resampler(source_, {.to = map.frame, .size = size, .filter = Filter::area, .area_error = 1e-6})
                             .rows());
     return level_of(mirrored({rows_of(level, map.frame.forward)}, map.mirror).front());
   }
-  static Prefilter lobe_of(const EngineMap& map, double roughness, int size, double error) {
-    Prefilter wanted{.to = map.frame.projection, .size = size, .forward = map.frame.forward, .max_error = error};
-    if (map.diffuse == 0) wanted.shape = Shape::ggx, wanted.parameter = roughness;
+  static PrefilterOptions options_of(const EngineMap& map, double roughness, int size, double error) {
+    PrefilterOptions wanted{.to = map.frame.projection, .size = size, .forward = map.frame.forward, .max_error = error};
+    if (map.diffuse == 0) wanted.lobe = Lobe::ggx(roughness);
     return wanted;
   }
 
   const EnvironmentMap& source_;
-  PrefilterSource prepared_;
+  Prefilterer prepared_;
   std::map<std::tuple<std::string_view, double, int, double>, Level> levels_;
 };
 

@@ -58,18 +58,18 @@ void add_conversions(const EnvironmentMap& map, const ConvertOptions& options, T
 
 // ---- prefilter ------------------------------------------------------------------------------------------------------
 
-Outcome prefiltered(const EnvironmentMap& map, const Prefilter& wanted) {
-  Prefiltered done = PrefilterSource(map).make(wanted);
+Outcome prefiltered(const EnvironmentMap& map, const PrefilterOptions& wanted) {
+  Prefiltered done = Prefilterer(borrowed(map)).make(wanted);
   Outcome out = whole(std::move(done.map.base()));
   out.steps = std::move(done.work);
   return out;
 }
 
-void add_prefilters(const EnvironmentMap& map, const Prefilter& wanted, Task& task) {
-  lobe_of(wanted);  // Throws where there is none.
+void add_prefilters(const EnvironmentMap& map, const PrefilterOptions& wanted, Task& task) {
+  check_method(wanted);
   for (const Method method : {Method::treecode, Method::automatic}) {
     for (const double error : {1e-1, 1e-2, 1e-3, 1e-4}) {
-      Prefilter how = wanted;
+      PrefilterOptions how = wanted;
       how.method = method, how.max_error = error;
       task.ways.push_back({std::string(method_names[std::size_t(method)]), fmt::format("--max-error {:g}", error),
                            [&map, how] { return prefiltered(map, how); }});
@@ -80,7 +80,7 @@ void add_prefilters(const EnvironmentMap& map, const Prefilter& wanted, Task& ta
   const bool summed = texel_count(wanted.to, wanted.size) * texel_count(map.projection(), map.base().height()) <= few;
   task.reference =
       summed ? "--method exact" : "--method treecode --max-error 1e-5, within 1e-5 of the exact sum in every texel";
-  Prefilter reference = wanted;
+  PrefilterOptions reference = wanted;
   reference.method = summed ? Method::exact : Method::treecode, reference.max_error = 1e-5;
   task.truth = [&map, reference] { return prefiltered(map, reference); };
 }
@@ -168,9 +168,9 @@ T number_of(const std::string& task, const std::string& text, T least, T most) {
   return value;
 }
 
-std::optional<Shape> shape_named(std::string_view word) {
-  const int shape = index_of(word, shape_names);
-  return shape < 0 ? std::nullopt : std::optional(static_cast<Shape>(shape));
+std::optional<LobeShape> shape_named(std::string_view word) {
+  const int shape = index_of(word, lobe_shape_names);
+  return shape < 0 ? std::nullopt : std::optional(static_cast<LobeShape>(shape));
 }
 
 }  // namespace
@@ -197,10 +197,10 @@ Task make_task(const std::string& name, const EnvironmentMap& map) {
     if (!right) throw UsageError(fmt::format("--task '{}' must be one of {}", name, task_words()));
   };
   if (const auto shape = shape_named(parts[0])) {
-    const std::size_t first = *shape == Shape::diffuse ? 1 : 2;
+    const std::size_t first = *shape == LobeShape::diffuse ? 1 : 2;
     expect(parts.size() == first || parts.size() == first + 2);
-    Prefilter wanted{.shape = *shape, .size = 16};
-    if (first == 2) wanted.parameter = number_of(name, parts[1], 0.0, 1e9);
+    PrefilterOptions wanted{.size = 16};
+    if (first == 2) wanted.lobe = Lobe(*shape, number_of(name, parts[1], 0.0, 1e9));
     if (parts.size() > first)
       wanted.to = projection_of(name, parts[first]), wanted.size = size_of(name, parts[first + 1]);
     add_prefilters(map, wanted, task);

@@ -205,7 +205,7 @@ std::vector<Flux> row_of(const Level& source, const L& lobe, std::span<const Dir
   return found;
 }
 
-std::vector<Flux> exact_sums(const Level& source, const Lobe& lobe, std::span<const Direction> directions,
+std::vector<Flux> exact_sums(const Level& source, const LobeFormula& lobe, std::span<const Direction> directions,
                              bool by_points, const Progress& progress) {
   constexpr std::size_t batch = 512;  // Directions at once: the sums of all rows stay small beside the source.
   count(Work::exact, directions.size() * index_of(source, {source.faces(), 0, 0}));
@@ -239,7 +239,7 @@ std::vector<Flux> exact_sums(const Level& source, const Lobe& lobe, std::span<co
 
 }  // namespace
 
-std::vector<Flux> exact_prefilter(const Level& source, const Lobe& lobe, std::span<const Direction> directions,
+std::vector<Flux> exact_prefilter(const Level& source, const LobeFormula& lobe, std::span<const Direction> directions,
                                   const Progress& progress) {
   constexpr std::size_t few = 16;  // Fewer directions do not repay the points of all texels.
   return exact_sums(source, lobe, directions, directions.size() >= few, progress);
@@ -253,7 +253,7 @@ std::vector<Direction> directions_of(const Target& target, std::span<const Texel
   return d;
 }
 
-void exact_texels(const Level& source, const Lobe& lobe, const Target& target, std::span<const Texel> texels,
+void exact_texels(const Level& source, const LobeFormula& lobe, const Target& target, std::span<const Texel> texels,
                   Level& out, const Progress& progress) {
   constexpr bool by_points = true;  // However few texels: the result of one must not depend on the others.
   const std::vector<Flux> found = exact_sums(source, lobe, directions_of(target, texels), by_points, progress);

@@ -10,20 +10,20 @@
 #include "envmap/base/run.h"
 #include "envmap/map/environment_map.h"
 #include "envmap/operate/measure.h"
-#include "envmap/prefilter/lobe.h"
+#include "envmap/prefilter/lobe_formulas.h"
 #include "envmap/sample/target_grid.h"
 
 namespace envmap::prefiltering {
 
 /// Returns the integrals of radiance x lobe over the sphere in some directions, in the image frame of the source.
-std::vector<Flux> exact_prefilter(const Level& source, const Lobe& lobe, std::span<const Direction> directions,
+std::vector<Flux> exact_prefilter(const Level& source, const LobeFormula& lobe, std::span<const Direction> directions,
                                   const Progress& progress = {});
 
 /// Directions of texels of a target, in the image frame of the source.
 std::vector<Direction> directions_of(const Target& target, std::span<const Texel> texels);
 
 /// Sets some texels of a map. @param out of the projection and size of the target.
-void exact_texels(const Level& source, const Lobe& lobe, const Target& target, std::span<const Texel> texels,
+void exact_texels(const Level& source, const LobeFormula& lobe, const Target& target, std::span<const Texel> texels,
                   Level& out, const Progress& progress = {});
 
 }  // namespace envmap::prefiltering

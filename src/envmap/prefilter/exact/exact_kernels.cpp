@@ -87,7 +87,7 @@ void add_lanes(const L& lobe, const SampleThresholds& thresholds, const ExactTex
   }
 }
 
-void AddTexel(const Lobe& lobe, const SampleThresholds& thresholds, const ExactTexel& texel, ExactSums& sums,
+void AddTexel(const LobeFormula& lobe, const SampleThresholds& thresholds, const ExactTexel& texel, ExactSums& sums,
               std::vector<std::uint32_t>& left) {
   std::visit([&](const auto& l) HWY_ATTR { add_lanes(l, thresholds, texel, sums, left); }, lobe);
 }
@@ -109,7 +109,7 @@ ExactSums::ExactSums(std::span<const Direction> directions) : count(directions.s
   }
 }
 
-void add_texel(const Lobe& lobe, const SampleThresholds& thresholds, const ExactTexel& texel, ExactSums& sums,
+void add_texel(const LobeFormula& lobe, const SampleThresholds& thresholds, const ExactTexel& texel, ExactSums& sums,
                std::vector<std::uint32_t>& left) {
   left.clear();
   HWY_DYNAMIC_DISPATCH(AddTexel)(lobe, thresholds, texel, sums, left);

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "envmap/maths/vector.h"
-#include "envmap/prefilter/lobe.h"
+#include "envmap/prefilter/lobe_formulas.h"
 
 namespace envmap::prefiltering {
 
@@ -44,7 +44,7 @@ struct SampleThresholds {
 
 /// Adds a texel to the sums of all directions for which its points are accurate. @param left set to the indices of the
 /// other directions.
-void add_texel(const Lobe& lobe, const SampleThresholds& thresholds, const ExactTexel& texel, ExactSums& sums,
+void add_texel(const LobeFormula& lobe, const SampleThresholds& thresholds, const ExactTexel& texel, ExactSums& sums,
                std::vector<std::uint32_t>& left);
 
 }  // namespace envmap::prefiltering

@@ -166,7 +166,7 @@ int MultilevelPlan::finest() const {
   return steps.empty() ? least_rows : std::ranges::max_element(steps, {}, &Step::rows)->rows;
 }
 
-std::optional<MultilevelPlan> multilevel_plan(const Lobe& lobe, double error, int max_rows, Projection source) {
+std::optional<MultilevelPlan> multilevel_plan(const LobeFormula& lobe, double error, int max_rows, Projection source) {
   if (error < 1e-4) return std::nullopt;
   ErrorTier s = error < 4e-4 ? at_1e4 : error < 1e-3 ? at_4e4 : at_1e3;
   if (source == Projection::cube) s.per_sigma *= finer_for_cubes;

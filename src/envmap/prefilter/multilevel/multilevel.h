@@ -17,7 +17,7 @@
 #include <span>
 #include <vector>
 
-#include "envmap/prefilter/lobe.h"
+#include "envmap/prefilter/lobe_formulas.h"
 #include "envmap/prefilter/multilevel/multilevel_kernels.h"
 #include "envmap/prefilter/multilevel/multilevel_source.h"
 #include "envmap/prefilter/prefix_sums/prefix_sums.h"
@@ -55,7 +55,7 @@ struct MultilevelPlan {
 /// 3.6, and sheen.
 /// @param max_rows of a grid, a power of two from 256. What is too narrow for it is the near field.
 /// @param source latlong or cube.
-std::optional<MultilevelPlan> multilevel_plan(const Lobe& lobe, double error, int max_rows = 2048,
+std::optional<MultilevelPlan> multilevel_plan(const LobeFormula& lobe, double error, int max_rows = 2048,
                                               Projection source = Projection::latlong);
 
 /// A source prepared for multilevel sums.

@@ -326,7 +326,7 @@ void PrefixSums::sums(const ClampedCosinePolynomial& weight, std::span<const Dir
              prepared_->source);
 }
 
-std::optional<ClampedCosinePolynomial> clamped_cosine_polynomial(const Lobe& lobe) {
+std::optional<ClampedCosinePolynomial> clamped_cosine_polynomial(const LobeFormula& lobe) {
   if (const auto* cosine = std::get_if<Cosine>(&lobe)) return ClampedCosinePolynomial{{cosine->value(0), 0, 0}};
   if (const auto* ggx = std::get_if<Ggx>(&lobe); ggx && ggx->b == 0)
     return ClampedCosinePolynomial{{ggx->value(0), 0, 0}};

@@ -18,7 +18,7 @@
 
 #include "envmap/base/run.h"
 #include "envmap/map/environment_map.h"
-#include "envmap/prefilter/lobe.h"
+#include "envmap/prefilter/lobe_formulas.h"
 #include "envmap/prefilter/target_texels.h"
 
 namespace envmap::prefiltering {
@@ -64,7 +64,7 @@ class PrefixSums {
 };
 
 /// The polynomial that a lobe is: diffuse, Phong of exponent 1, 2 and 3, GGX of roughness 1. Nothing for other lobes.
-std::optional<ClampedCosinePolynomial> clamped_cosine_polynomial(const Lobe& lobe);
+std::optional<ClampedCosinePolynomial> clamped_cosine_polynomial(const LobeFormula& lobe);
 
 /// The first terms of the series of Blinn's lobe at the horizon, k t ((1 + t) / 2)^p, by the binomial theorem. For
 /// powers p below 1 the third term is negative, and left out.

@@ -336,7 +336,7 @@ double interpolation_error(const Charlie& lobe, double size) {
 
 }  // namespace
 
-std::optional<SheenPlan> sheen_plan(const Lobe& lobe, double error) {
+std::optional<SheenPlan> sheen_plan(const LobeFormula& lobe, double error) {
   const auto* sheen = std::get_if<Charlie>(&lobe);
   if (sheen == nullptr || sheen->power < least_sheen_power || error < 1e-4) return std::nullopt;
   SheenPlan plan{.power = sheen->power,

@@ -15,7 +15,7 @@
 #include <optional>
 #include <span>
 
-#include "envmap/prefilter/lobe.h"
+#include "envmap/prefilter/lobe_formulas.h"
 #include "envmap/prefilter/sheen/sheen_blocks.h"
 #include "envmap/prefilter/target_texels.h"
 
@@ -46,7 +46,7 @@ int points_for(double steep, double error);
 inline constexpr double least_sheen_power = 4;
 
 /// @return nothing for other lobes, for wider sheen, and for errors below 1e-4.
-std::optional<SheenPlan> sheen_plan(const Lobe& lobe, double error);
+std::optional<SheenPlan> sheen_plan(const LobeFormula& lobe, double error);
 /// Completes a plan for a source.
 SheenPlan fitted(SheenPlan plan, const SheenBlocks& blocks);
 

@@ -21,7 +21,7 @@ TreecodeLobe split(const Charlie& l) { return {l, {{l.kink(), 0, 0}}, 2}; }
 
 bool TreecodeLobe::has_rest() const { return !clamped_cosine_polynomial(lobe); }
 
-std::optional<TreecodeLobe> treecode_lobe(const Lobe& lobe) {
+std::optional<TreecodeLobe> treecode_lobe(const LobeFormula& lobe) {
   if (const auto whole = clamped_cosine_polynomial(lobe)) return TreecodeLobe{lobe, *whole, 4};
   if (const auto* phong = std::get_if<Phong>(&lobe)) {
     if (phong->exponent <= 1) return std::nullopt;

@@ -8,13 +8,13 @@
 
 #include <variant>
 
-#include "envmap/prefilter/lobe.h"
+#include "envmap/prefilter/lobe_formulas.h"
 #include "envmap/prefilter/prefix_sums/prefix_sums.h"
 
 namespace envmap::prefiltering {
 
 struct TreecodeLobe {
-  Lobe lobe;
+  LobeFormula lobe;
   ClampedCosinePolynomial horizon_terms;  ///< P.
   /// Number of derivatives of K that are bounded at the horizon, up to 4. All but the last are continuous. A Phong lobe
   /// of exponent 1 < m < 2 has only the first, which changes by at most m s^(m-1) over a step of s.
@@ -26,6 +26,6 @@ struct TreecodeLobe {
 };
 
 /// @return nothing for Phong lobes of exponent 0 to 1, which jump or have an unbounded slope at the horizon.
-std::optional<TreecodeLobe> treecode_lobe(const Lobe& lobe);
+std::optional<TreecodeLobe> treecode_lobe(const LobeFormula& lobe);
 
 }  // namespace envmap::prefiltering

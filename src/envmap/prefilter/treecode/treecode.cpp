@@ -323,7 +323,7 @@ class TileRow {
 
 }  // namespace
 
-double tile_sine(const Lobe& lobe, double max_error) {
+double tile_sine(const LobeFormula& lobe, double max_error) {
   // The error of nodes at the horizon is p t^2 times the slope of the lobe there, of a sum of about that slope / ((p +
   // 1) (p + 2)). So they must be small, and a tile sees as many of them as it is wide.
   if (const auto* sheen = std::get_if<Charlie>(&lobe)) {
@@ -333,7 +333,7 @@ double tile_sine(const Lobe& lobe, double max_error) {
   return std::visit([](const auto& l) { return std::min(0.12, 0.5 * std::sqrt(2 * l.width())); }, lobe);
 }
 
-double nodes_of_output(const Lobe& lobe, double max_error) {
+double nodes_of_output(const LobeFormula& lobe, double max_error) {
   const double finer = std::sqrt(1e-3 / max_error);
   if (const auto* sheen = std::get_if<Charlie>(&lobe)) return 300 * (1 + sheen->power * sheen->power) * finer;
   return 100 / std::visit([](const auto& l) { return l.width(); }, lobe) * finer;

@@ -23,10 +23,10 @@ inline constexpr double most_tree_texels = 1 << 24;
 
 /// The largest sine of the angle between the middle of a tile and its directions. Wider tiles take more nodes, narrower
 /// ones go down the tree more often (measured).
-double tile_sine(const Lobe& lobe, double max_error);
+double tile_sine(const LobeFormula& lobe, double max_error);
 
 /// About how many nodes a direction takes (measured).
-double nodes_of_output(const Lobe& lobe, double max_error);
+double nodes_of_output(const LobeFormula& lobe, double max_error);
 
 /// Sets the texels of a map and their bounds. A texel keeps an infinite bound where the exact sum is quicker than its
 /// nodes. Rows that are not wanted may be set, too.

@@ -16,7 +16,7 @@ std::shared_ptr<const EnvironmentMap> first_level(EnvironmentMap map) {
 }  // namespace
 
 PreparedEnvironment::PreparedEnvironment(EnvironmentMap map, const Progress& progress)
-    : map_(first_level(std::move(map))), lookup_(*map_), irradiance_(irradiance_over_pi(*map_)), source_(*map_) {
+    : map_(first_level(std::move(map))), lookup_(*map_), irradiance_(irradiance_over_pi(*map_)), source_(map_) {
   if (progress) progress(1);
 }
 

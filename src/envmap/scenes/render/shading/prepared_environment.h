@@ -39,7 +39,7 @@ class PreparedEnvironment {
   std::shared_ptr<const EnvironmentMap> map_;
   EnvironmentLookup lookup_;
   std::array<Colour, 9> irradiance_;
-  PrefilterSource source_;  // Refers to the map.
+  Prefilterer source_;
   mutable std::timed_mutex in_use_;
   mutable std::map<float, std::shared_ptr<const PaddedLevel>> levels_;  // By roughness.
   mutable std::map<std::tuple<std::vector<float>, Reflection>, std::shared_ptr<const Environment>> made_;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "envmap/prefilter/brdf_table.h"
+#include "envmap/prefilter/harmonic_norms.h"
 #include "envmap/prefilter/harmonics.h"
 #include "envmap/prefilter/prefilter.h"
 #include "envmap/projection/visit.h"
@@ -21,27 +22,26 @@ namespace envmap {
 std::array<Colour, 9> irradiance_over_pi(const EnvironmentMap& map) {
   Harmonics h = project(map, 2);
   scale_degrees(h, irradiance_factors(2));
-  // Of the basis functions, in the order of harmonics.h.
-  constexpr double scale[9] = {0.28209479177387814, 0.4886025119029199, 0.4886025119029199,
-                               0.4886025119029199,  1.0925484305920792, 1.0925484305920792,
-                               0.31539156525252005, 1.0925484305920792, 0.5462742152960396};
+  using namespace harmonic_norms;
+  // In the order of harmonics.h.
+  constexpr double scale[9] = {n0, n1, n1, n1, n2, n2, n20, n2, n22};
   // There: 1, x, y, z, xz, xy, 3y^2-1, yz, z^2-x^2.
   std::array<Colour, 9> irradiance{};
   for (std::size_t k = 0; k < 9; ++k) irradiance[k] = Colour(h.coefficients[k] * (scale[k] / pi));
   return irradiance;
 }
 
-std::shared_ptr<const PaddedLevel> glossy_level(const PrefilterSource& source, float roughness, int size, int largest) {
+std::shared_ptr<const PaddedLevel> glossy_level(const Prefilterer& source, float roughness, int size, int largest) {
   int height = size;
   for (int k = 0; k < glossy_doublings(roughness) && 2 * height <= largest; ++k) height *= 2;
-  Prefiltered made = source.make({.shape = Shape::ggx, .parameter = roughness, .size = height, .max_error = 1e-2});
+  Prefiltered made = source.make({.lobe = Lobe::ggx(roughness), .size = height, .max_error = 1e-2});
   return std::make_shared<const PaddedLevel>(std::move(made.map.base()));
 }
 
 EnvironmentLight environment_light(const EnvironmentMap& map, const std::vector<float>& roughnesses, int size,
                                    int largest, const Progress& progress) {
   EnvironmentLight light{.irradiance = irradiance_over_pi(map), .glossy = {}, .roughnesses = roughnesses};
-  const PrefilterSource source(map);
+  const Prefilterer source(borrowed(map));
   for (const float roughness : roughnesses) {
     light.glossy.push_back(glossy_level(source, roughness, size, largest));
     if (progress) progress(double(light.glossy.size()) / double(roughnesses.size()));

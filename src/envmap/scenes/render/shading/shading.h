@@ -24,7 +24,7 @@ namespace envmap {
 
 class LobeIntegral;
 class EmbreeScene;
-class PrefilterSource;
+class Prefilterer;
 
 /// Seen from outside: its normals face the viewer.
 struct ShadingPoint {
@@ -63,7 +63,7 @@ struct EnvironmentLight {
 std::array<Colour, 9> irradiance_over_pi(const EnvironmentMap& map);
 
 /// One of EnvironmentLight::glossy. @param size of cubes for wide lobes. @param largest of all.
-std::shared_ptr<const PaddedLevel> glossy_level(const PrefilterSource& source, float roughness, int size, int largest);
+std::shared_ptr<const PaddedLevel> glossy_level(const Prefilterer& source, float roughness, int size, int largest);
 
 /// @param roughnesses of glossy_levels.h. @param size of cubes for wide lobes. @param largest of all.
 /// @param progress may be empty.
