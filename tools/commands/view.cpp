@@ -40,6 +40,7 @@ struct Request {
   std::optional<Display> display;
   std::optional<double> anaglyph;
   std::optional<MirrorLookup> lookup;
+  std::optional<TextureFilter> texture_filter;
   MirrorLook look;
   MirrorOptions drawing;
   std::optional<double> max_error;
@@ -109,7 +110,8 @@ Pictures cast(const Request& o, const std::vector<int>& mirrors, const FrameStat
   const double part = 1.0 / double(eyes.size());
   for (const Eye& eye : eyes)
     pictures.push_back(raycast_picture(shot, eye.from,
-                                       {mirrors, o.drawing.bounces.value_or(max_rounds), o.drawing.far, o.lobe_samples},
+                                       {mirrors, o.drawing.bounces.value_or(max_rounds), o.drawing.far, o.lobe_samples,
+                                        o.texture_filter.value_or(TextureFilter::bilinear)},
                                        part_progress(progress, part * double(pictures.size()), part)));
   return pictures;
 }
@@ -128,6 +130,8 @@ void check(const Request& o) {
         "and NODE:MAP");
   if (o.lobe_samples > 0 && o.method != ViewMethod::raycast && !o.max_error)
     throw UsageError("--lobe-samples is for --method raycast and for --max-error");
+  if (o.texture_filter && o.method != ViewMethod::raycast)
+    throw UsageError("--texture-filter is for --method raycast: OpenGL filters textures trilinearly");
   if (o.lobe_samples > 0 && !o.max_error && o.scene.reflection != Reflection::split_sum)
     throw UsageError("--lobe-samples integrates what --reflection samples: remove one of them");
   if (o.max_error && (of_maps || o.method == ViewMethod::raycast || o.drawing.bounces))
@@ -318,6 +322,7 @@ Action define_view(Options& o) {
         "Reflections of the environment on rough surfaces: {} (default: split-sum)");
   o.add("--lobe-samples", "N", &r->lobe_samples, {0, 65536},
         "raycast, --max-error: samples per rough reflection (default: 0, prefiltered levels)");
+  add_texture_filter(o, r->texture_filter);
   o.add("--lookup", one_of(r->lookup, mirror_lookup_names), "How maps are looked up: {} (default: distance)");
   o.add("--max-error", "E", &r->max_error, {1e-6, 10},
         "Use the smallest maps whose picture is within rms E of ray casting");

@@ -21,8 +21,9 @@ class WhittedIntegrator {
   WhittedIntegrator(const EmbreeScene& tree, const Lighting& light, const FrameState& shot, const Viewpoint& from,
                     const RayPaths& paths);
 
-  /// What arrives along a ray of the picture. @param origin from the viewpoint. @param ray unit, world.
-  [[nodiscard]] Flux from_eye(const Direction& origin, const Direction& ray) const;
+  /// What arrives along a ray of the picture. @param origin from the viewpoint. @param ray unit, world. @param spread what
+  /// textures are filtered over.
+  [[nodiscard]] Flux from_eye(const Direction& origin, const Direction& ray, const RayDifferential& spread) const;
 
   /// What the surface that it met sends back along it.
   [[nodiscard]] Flux from_surface(const SurfaceHit& hit, const Direction& ray) const;
@@ -33,6 +34,7 @@ class WhittedIntegrator {
     Direction origin, along;  // The origin from the viewpoint.
     int bounces;              // That may follow.
     double weight;            // What it counts for in the pixel.
+    RayDifferential spread;
     bool of_eye = false;      // Nothing turned it yet: behind all surfaces it sees the background.
   };
   [[nodiscard]] Flux along(const Ray& ray) const;
