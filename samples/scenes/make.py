@@ -8,6 +8,7 @@ ball                      a mirror ball ("ball") on a table
 balls                     mirror, glass, metals and plastics on tiles, for a sunny sky
 terrace                   a paved square in the open, with columns, a brick wall and a ball of gold: what sample.hdr shows
 metals                    four balls of white metal: roughness 0.1, 0.3, 0.5, 0.8
+depth                     a wall of two triangles and a card 1.8 m behind it, seen from 1 m
 plane                     a checkered plane that reaches to the horizon
 facing                    a candle between two mirrors that face each other
 cellar                    a furnished cellar with two mirrors ("mirror ball", "mirror ring"), glass, lamps and cameras;
@@ -300,6 +301,15 @@ def plane():
     return scene
 
 
+def depth():
+    """A wall of 4 x 4 m at z = 1, red, hides a green card; both face the origin. No light of its own."""
+    scene = Scene()
+    red, green = scene.material("red", (0.8, 0.15, 0.1)), scene.material("green", (0.1, 0.7, 0.2))
+    scene.node("wall", scene.mesh(wall((2, 2, 1), (-4, 0, 0), (0, -4, 0)), red))
+    scene.node("card", scene.mesh(wall((0.8, 0.8, 2.8), (-1.6, 0, 0), (0, -1.6, 0), 16), green))
+    return scene
+
+
 def multiplied(a, b):
     """Quaternions: b first."""
     (ax, ay, az, aw), (bx, by, bz, bw) = a, b
@@ -315,7 +325,7 @@ def main():
     for name, scene in (("room-2", room(2)), ("room-4", room(4)), ("room-21", room(21)),
                         ("room-21-two-sided", room(21, True)), ("wire-cube", wire_cube()), ("ball", ball_on_a_table()),
                         ("balls", balls()), ("terrace", terrace()), ("metals", metals()), ("chrome-ball", chrome_ball()),
-                        ("plane", plane()), ("facing", facing()), ("cellar", cellar())):
+                        ("depth", depth()), ("plane", plane()), ("facing", facing()), ("cellar", cellar())):
         scene.save(os.path.join(folder, name + ".glb"))
 
 

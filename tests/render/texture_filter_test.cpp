@@ -58,8 +58,8 @@ double integral_of_wave(double x) {
 }
 double wave(double x) { return std::fmod(std::floor(x / metre), 2) == 0 ? 1 : -1; }
 
-// The mean of a pixel that sees nothing but the plane, where the texture is known without texels: (1 + wave(x) wave(z)) / 2.
-// Along a row of the picture z is one, and x goes evenly: a closed form. Across it, 512 rows.
+// The mean of a pixel that sees nothing but the plane, where the texture is known without texels:
+// (1 + wave(x) wave(z)) / 2. Along a row of the picture z is one, and x goes evenly: a closed form. Across it, 512.
 std::optional<double> truth(int i, int j) {
   constexpr int n = 512;
   const Viewpoint from = camera();
@@ -124,7 +124,7 @@ TEST(TextureFilters, ErrorsOfARecedingPlaneFallInTheirOrder) {
     EXPECT_LT(ewa, 0.4 * trilinear);
     EXPECT_LT(ewa, 0.025);
   }
-  EXPECT_GT(far_off[1], 0.3);           // Without levels the distance is noise;
+  EXPECT_GT(far_off[1], 0.3);               // Without levels the distance is noise;
   EXPECT_LT(far_off[2], 0.5 * far_off[1]);  // with them it is grey.
 }
 
@@ -134,7 +134,7 @@ TEST(TextureFilters, SamplesShareThePixel) {
   EXPECT_LT(error(picture, near, height), 0.05);
 }
 
-// The plane's image in a mirror of the plane z = 0 is what a mirrored camera sees; one half of the footprint is behind it.
+// Against 64 rays a pixel.
 TEST(TextureFilters, FootprintsGoOnFromMirrors) {
   SceneGraph scene = checkered_plane();
   Mesh mirror = small_scenes::square(float(half));

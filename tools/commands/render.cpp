@@ -254,8 +254,7 @@ int run(Request& o, Report& report) {
       if (turned) from.axes = turned_to(direction(o, from.at, loaded.scene, shot.pose));
       const Progress of_map = part_progress(of_frame, double(k) / double(places.size()), 1 / double(places.size()));
       const Stopwatch watch;
-      Drawn drawn = painter ? painter->paint(shot, from, method)
-                            : cast(o, shot, from, mirrors, of_map);
+      Drawn drawn = painter ? painter->paint(shot, from, method) : cast(o, shot, from, mirrors, of_map);
       if (of_map) of_map(1);
       const RenderedFile file{frames.path(places[k].output, frame), places[k].name, watch.seconds(),
                               drawn.missing_solid_angle};

@@ -44,8 +44,7 @@ void check(const PhotographOptions& o) {
   if (!of_points(o.filter) && o.lens != CameraModel::perspective)
     throw UsageError(fmt::format("pictures by {} take the filters nearest, bilinear and bicubic",
                                  camera_model_names[std::size_t(o.lens)]));
-  if (!of_points(o.filter) && o.samples)
-    throw UsageError("samples are for the filters nearest, bilinear and bicubic");
+  if (!of_points(o.filter) && o.samples) throw UsageError("samples are for the filters nearest, bilinear and bicubic");
   if (o.lens == CameraModel::cylinder && angle_across(o) > 2 * pi * (1 + 1e-12))
     throw UsageError("a cylinder of that width goes round more than once");
 }
@@ -113,8 +112,8 @@ struct PointMean {
   }
 };
 
-// Pixels of a perspective picture are rectangles on the plane of a cube's face +Z, on which it goes on: what filters of maps
-// know of texels they know of these.
+// Pixels of a perspective picture are rectangles on the plane of a cube's face +Z, on which it goes on: what filters of
+// maps know of texels they know of these.
 class FootprintMean {
  public:
   FootprintMean(const Camera& camera, const std::vector<PaddedLevel>& levels, Filter filter, double floor, double gain)

@@ -32,8 +32,8 @@ struct PhotographOptions {
   int width = 640, height = 480;
   /// World direction in the middle; not 0. +Y is up, or -Z of what looks up, +Z of what looks down.
   Direction towards{0, 0, 1};
-  /// nearest, bilinear or bicubic; of the perspective lens also nearest_level, trilinear, ewa and area, the solid-angle mean
-  /// over each pixel to 1e-4 of it.
+  /// nearest, bilinear or bicubic; of the perspective lens also nearest_level, trilinear, ewa and area, the solid-angle
+  /// mean over each pixel to 1e-4 of it.
   Filter filter = Filter::bilinear;
   /// Along each side of a pixel, for nearest, bilinear and bicubic; absent: as samples_of() says.
   std::optional<int> samples = {};

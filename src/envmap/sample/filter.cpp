@@ -121,7 +121,8 @@ constexpr std::array<FilterInfo, 8> all_filters{{
      "area error. The reference",
      false, false},
     {Filter::nearest_level, "nearest-level",
-     "Bilinear interpolation in the mip level whose texels fit best (GL_LINEAR_MIPMAP_NEAREST). Shows the borders of levels",
+     "Bilinear interpolation in the mip level whose texels fit best (GL_LINEAR_MIPMAP_NEAREST). Shows the borders of "
+     "levels",
      true, false},
 }};
 

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "envmap/base/error.h"
+#include "envmap/maths/portable.h"
 #include "envmap/scenes/render/rays/embree_version.h"
 #include "envmap/scenes/render/rays/texture_sample.h"
 
@@ -27,6 +28,7 @@ struct InstanceTransform {
   std::vector<std::uint32_t> indices;
   Rotation tangents{1}, normals{1};  // Into the world's axes.
   double handed = 1;                 // -1: mirrored.
+  double scale = 1;                  // Of lengths, the mean of all directions'.
 };
 
 InstanceTransform place(const FrameState& shot, const Direction& centre, const Instance& instance) {
@@ -40,6 +42,7 @@ InstanceTransform place(const FrameState& shot, const Direction& centre, const I
   p.indices = p.mesh->indices;
   p.tangents = linear;
   p.normals = cofactors(linear);
+  p.scale = portable::cbrt(std::abs(glm::determinant(linear)));
   if (glm::determinant(linear) < 0) {
     // The front of a mirrored triangle is where its corners run clockwise (glTF 2.0, 3.7.4).
     for (std::size_t k = 0; k + 2 < p.indices.size(); k += 3) std::swap(p.indices[k + 1], p.indices[k + 2]);
@@ -208,9 +211,12 @@ ShadingPoint surface_at(const InstanceTransform& p, const RayQuery& m, const Dir
           .ior = material.ior,
           .opacity = material.blended ? std::clamp(colour.w, 0.0F, 1.0F) : 1,
           .solid = material.solid,
+          .absorption = material.absorption,
+          .thickness = material.thickness * float(p.scale),
           .coat = material.coat * sample(p, material.coat_texture, at).x,
           .coat_roughness = material.coat_roughness * sample(p, material.coat_roughness_texture, at).y,
-          .coat_normal = side * mapped_normal(p, m, material.coat_normal_texture, material.coat_normal_scale, front, at),
+          .coat_normal =
+              side * mapped_normal(p, m, material.coat_normal_texture, material.coat_normal_scale, front, at),
           .sheen = material.sheen * Colour(sample(p, material.sheen_texture, at)),
           .sheen_roughness = material.sheen_roughness * sample(p, material.sheen_roughness_texture, at).w,
           .reached = 1 + material.occlusion_strength * (open - 1),

@@ -29,7 +29,7 @@ Direction normalised_derivative(const Direction& v, const Direction& by) {
 }
 
 RayDifferential after_reflection(const RayDifferential& arriving, const Direction& d, const Direction& n,
-                          const std::array<Direction, 2>& normals) {
+                                 const std::array<Direction, 2>& normals) {
   RayDifferential out = arriving;
   for (std::size_t k = 0; k < 2; ++k) {
     const double slope = glm::dot(arriving.along[k], n) + glm::dot(d, normals[k]);
@@ -40,7 +40,7 @@ RayDifferential after_reflection(const RayDifferential& arriving, const Directio
 
 // The refracted ray is ratio d - mu n with mu = ratio (d n) + sqrt(1 - ratio^2 (1 - (d n)^2)).
 RayDifferential after_refraction(const RayDifferential& arriving, const Direction& d, const Direction& n,
-                          const std::array<Direction, 2>& normals, double ratio) {
+                                 const std::array<Direction, 2>& normals, double ratio) {
   RayDifferential out = arriving;
   const double dn = glm::dot(d, n), root = std::sqrt(std::max(1e-12, 1 - ratio * ratio * (1 - dn * dn)));
   const double mu = ratio * dn + root, by_slope = ratio + ratio * ratio * dn / root;

@@ -32,9 +32,9 @@ Direction normalised_derivative(const Direction& v, const Direction& by);
 /// What leaves a surface. @param arriving from moved(). @param normals derivatives of the unit normal, which is on the
 /// side of the ray.
 RayDifferential after_reflection(const RayDifferential& arriving, const Direction& along, const Direction& normal,
-                          const std::array<Direction, 2>& normals);
+                                 const std::array<Direction, 2>& normals);
 /// @param ratio of the refractive indices, as glm::refract() takes it. There is no total reflection.
 RayDifferential after_refraction(const RayDifferential& arriving, const Direction& along, const Direction& normal,
-                          const std::array<Direction, 2>& normals, double ratio);
+                                 const std::array<Direction, 2>& normals, double ratio);
 
 }  // namespace envmap

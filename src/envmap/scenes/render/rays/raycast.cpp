@@ -125,8 +125,7 @@ std::vector<Colour> raycast_picture(const FrameState& shot, const Viewpoint& fro
       for (int k = 0; k < from.samples; ++k) {
         const Vec2<double> offset = sample_offset(k, from.samples);
         const double u = (i + 0.5 + offset.x) / lens.width, v = (row + 0.5 + offset.y) / from.size;
-        sum += tracer.from_eye(from.axes * lens.origin(u, v), from.axes * lens.ray(u, v),
-                               spreads.of_picture(u, v));
+        sum += tracer.from_eye(from.axes * lens.origin(u, v), from.axes * lens.ray(u, v), spreads.of_picture(u, v));
       }
       picture[std::size_t(row) * std::size_t(lens.width) + std::size_t(i)] = Colour(sum / double(from.samples));
     }

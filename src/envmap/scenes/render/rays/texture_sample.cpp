@@ -92,11 +92,10 @@ TextureSampler::TextureSampler(const SceneGraph& scene, TextureFilter filter) : 
   for (const Texture& t : scene.textures) {
     std::vector<Level>& levels = levels_.emplace_back();
     for (int w = t.width, h = t.height; w > 1 || h > 1; w = levels.back().width, h = levels.back().height) {
-      std::vector<glm::vec4> texels =
-          levels.empty() ? halved(w, h, [&](int i, int j) { return decoded(t, i, j); })
-                         : halved(w, h, [&fine = levels.back().texels, w](int i, int j) {
-                             return fine[std::size_t(j) * std::size_t(w) + std::size_t(i)];
-                           });
+      std::vector<glm::vec4> texels = levels.empty() ? halved(w, h, [&](int i, int j) { return decoded(t, i, j); })
+                                                     : halved(w, h, [&fine = levels.back().texels, w](int i, int j) {
+                                                         return fine[std::size_t(j) * std::size_t(w) + std::size_t(i)];
+                                                       });
       levels.push_back({std::max(1, w / 2), std::max(1, h / 2), std::move(texels)});
     }
   }
@@ -106,9 +105,8 @@ glm::vec4 TextureSampler::bilinear(int texture, int level, const Vec2<double>& a
   const Texture& t = scene_.textures[std::size_t(texture)];
   if (level == 0) return bilinear_at(t, t.width, t.height, at, [&](int i, int j) { return decoded(t, i, j); });
   const Level& l = levels_[std::size_t(texture)][std::size_t(level) - 1];
-  return bilinear_at(t, l.width, l.height, at, [&](int i, int j) {
-    return l.texels[std::size_t(j) * std::size_t(l.width) + std::size_t(i)];
-  });
+  return bilinear_at(t, l.width, l.height, at,
+                     [&](int i, int j) { return l.texels[std::size_t(j) * std::size_t(l.width) + std::size_t(i)]; });
 }
 
 glm::vec4 TextureSampler::trilinear(int texture, double lod, const Vec2<double>& at) const {
@@ -128,7 +126,7 @@ glm::vec4 TextureSampler::operator()(int texture, const TextureFootprint& f) con
   // A plane that is seen along itself has no end within the pixel: its mean is the coarsest level.
   const double extent = glm::length(texels.du) + glm::length(texels.dv);
   if (!(extent < 1e9)) return trilinear(texture, 64, at);
-  const Probes plan = filter_ == TextureFilter::ewa        ? ewa_plan(texels)
+  const Probes plan = filter_ == TextureFilter::ewa         ? ewa_plan(texels)
                       : filter_ == TextureFilter::trilinear ? trilinear_plan(texels)
                                                             : nearest_level_plan(texels);
   glm::vec4 sum(0);

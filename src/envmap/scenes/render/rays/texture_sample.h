@@ -18,8 +18,8 @@ struct TextureFootprint {
 /// Bilinear between the four texels round a place, colours made linear first (glTF 2.0, 3.8.4). Level 0 always.
 glm::vec4 texture_at(const Texture& texture, const glm::vec2& coordinates);
 
-/// The textures of a scene with their mip levels, where the filter reads any. Texels of a level are the means, in linear
-/// light, of the two by two texels that they cover, or of parts of three of a side that is odd.
+/// The textures of a scene with their mip levels, where the filter reads any. Texels of a level are the means, in
+/// linear light, of the two by two texels that they cover, or of parts of three of a side that is odd.
 class TextureSampler {
  public:
   /// @param scene must outlive this.

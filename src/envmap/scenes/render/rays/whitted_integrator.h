@@ -21,8 +21,8 @@ class WhittedIntegrator {
   WhittedIntegrator(const EmbreeScene& tree, const Lighting& light, const FrameState& shot, const Viewpoint& from,
                     const RayPaths& paths);
 
-  /// What arrives along a ray of the picture. @param origin from the viewpoint. @param ray unit, world. @param spread what
-  /// textures are filtered over.
+  /// What arrives along a ray of the picture. @param origin from the viewpoint. @param ray unit, world. @param spread
+  /// what textures are filtered over.
   [[nodiscard]] Flux from_eye(const Direction& origin, const Direction& ray, const RayDifferential& spread) const;
 
   /// What the surface that it met sends back along it.
@@ -41,7 +41,13 @@ class WhittedIntegrator {
   [[nodiscard]] Flux missing(const Ray& ray) const;
   [[nodiscard]] Flux leaving(const SurfaceHit& hit, const Ray& ray) const;
   [[nodiscard]] Flux scattered(const SurfaceHit& hit, const Ray& ray) const;
-  [[nodiscard]] Flux through(const Ray& ray, double ior, int reflections) const;
+  // What a solid does to light: its refractive index, and Material::absorption.
+  struct Solid {
+    double ior;
+    Flux absorption;
+  };
+  [[nodiscard]] Flux through(const Ray& ray, const Solid& solid, int reflections) const;
+  [[nodiscard]] Flux leaving_solid(const SurfaceHit& hit, const Ray& ray, const Solid& solid, int reflections) const;
 
   const EmbreeScene& tree_;
   const Lighting& light_;
