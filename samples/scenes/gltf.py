@@ -47,7 +47,8 @@ class Scene:
         return self._add("textures", {"source": source})
 
     def material(self, name, colour=(1, 1, 1), metallic=0.0, roughness=0.8, texture=None, emissive=None, strength=1.0,
-                 transmission=0.0, ior=1.5, thickness=0.0):
+                 transmission=0.0, ior=1.5, thickness=0.0, attenuation=None):
+        """attenuation: of a solid, what is left of white light, and after how many metres."""
         base = {"baseColorFactor": [*colour, 1], "metallicFactor": metallic, "roughnessFactor": roughness}
         if texture is not None:
             base["baseColorTexture"] = {"index": texture}
@@ -61,6 +62,9 @@ class Scene:
             extensions["KHR_materials_ior"] = {"ior": ior}
             if thickness:  # A solid, not a thin wall.
                 extensions["KHR_materials_volume"] = {"thicknessFactor": thickness}
+                if attenuation:
+                    extensions["KHR_materials_volume"].update(attenuationColor=list(attenuation[0]),
+                                                              attenuationDistance=attenuation[1])
         if extensions:
             made["extensions"] = extensions
             self.json["extensionsUsed"] = sorted({*self.json.get("extensionsUsed", []), *extensions})

@@ -8,6 +8,8 @@ ball                      a mirror ball ("ball") on a table
 balls                     mirror, glass, metals and plastics on tiles, for a sunny sky
 terrace                   a paved square in the open, with columns, a brick wall and a ball of gold: what sample.hdr shows
 metals                    four balls of white metal: roughness 0.1, 0.3, 0.5, 0.8
+depth                     a wall of two triangles and a card 1.8 m behind it, seen from 1 m
+plane                     a checkered plane that reaches to the horizon
 facing                    a candle between two mirrors that face each other
 cellar                    a furnished cellar with two mirrors ("mirror ball", "mirror ring"), glass, lamps and cameras;
                           the lamp swings, the ring turns and the ball rises (6 s)
@@ -289,6 +291,25 @@ def facing():
     return scene
 
 
+def plane():
+    """400 x 400 m of checks of 25 cm, seen from 60 cm above them; no light of its own."""
+    scene, half = Scene(), 200.0
+    checks = png(32, 32, lambda x, y: (235, 225, 200) if (x < 16) == (y < 16) else (20, 45, 90))
+    material = scene.material("checks", texture=scene.texture(checks), roughness=1.0)
+    scene.node("plane", scene.mesh(wall((-half, 0, -half), (2 * half, 0, 0), (0, 0, 2 * half), 1, (800, 800)), material))
+    scene.camera("low", (0.2, 0.6, 0.1), (0, 0.45, -1), 0.7)
+    return scene
+
+
+def depth():
+    """A wall of 4 x 4 m at z = 1, red, hides a green card; both face the origin. No light of its own."""
+    scene = Scene()
+    red, green = scene.material("red", (0.8, 0.15, 0.1)), scene.material("green", (0.1, 0.7, 0.2))
+    scene.node("wall", scene.mesh(wall((2, 2, 1), (-4, 0, 0), (0, -4, 0)), red))
+    scene.node("card", scene.mesh(wall((0.8, 0.8, 2.8), (-1.6, 0, 0), (0, -1.6, 0), 16), green))
+    return scene
+
+
 def multiplied(a, b):
     """Quaternions: b first."""
     (ax, ay, az, aw), (bx, by, bz, bw) = a, b
@@ -304,7 +325,7 @@ def main():
     for name, scene in (("room-2", room(2)), ("room-4", room(4)), ("room-21", room(21)),
                         ("room-21-two-sided", room(21, True)), ("wire-cube", wire_cube()), ("ball", ball_on_a_table()),
                         ("balls", balls()), ("terrace", terrace()), ("metals", metals()), ("chrome-ball", chrome_ball()),
-                        ("facing", facing()), ("cellar", cellar())):
+                        ("depth", depth()), ("plane", plane()), ("facing", facing()), ("cellar", cellar())):
         scene.save(os.path.join(folder, name + ".glb"))
 
 

@@ -7,6 +7,7 @@
 #   vertices.jpg  a sphere map of a room whose walls have 2, 4, 21 and 21 vertices an edge, the last with two-sided materials,
 #                 drawn by distort, tessellate and exact
 #   balls.jpg     mirror, glass, metals and plastics under a sunny sky, or in a probe of yours, by rays (minutes)
+#   texture-filters.jpg  a receding plane with five filters of its texture and by 1024 rays a pixel: docs/tutorial/pictures
 #   turn.webp     the balls, seen from all sides (or turn.mp4; where there is ffmpeg)
 #
 #   sh samples/scenes/pictures.sh [-o FOLDER] [ENVMAP [PROBE]]      (default: samples/scenes, build/release/envmap, a blue sky)
@@ -85,6 +86,17 @@ for method in distort tessellate exact; do
   done
 done
 side_by_side 4x3 vertices.jpg 85 "$@"
+
+set --
+for filter in nearest bilinear nearest-level trilinear ewa rays; do
+  how="--samples 1 --texture-filter $filter"
+  [ $filter = rays ] && how="--samples 1024"
+  # shellcheck disable=SC2086
+  "$envmap" view "$work/plane.glb" "$work/$filter.png" --method raycast --ambient 1 --width 320 --height 200 -q $how
+  oiiotool "$work/$filter.png" --crop 320x136+0+64 -o "$work/$filter.png"
+  set -- "$@" "$work/$filter.png"
+done
+side_by_side 3x2 texture-filters.jpg 85 "$@"
 
 if [ -z "$probe" ]; then
   probe=$work/day.exr

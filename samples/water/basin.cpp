@@ -3,6 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
+#include <limits>
+
+#include "envmap/base/error.h"
+#include "envmap/scenes/render/draw.h"
 
 namespace water {
 namespace {
@@ -20,9 +24,9 @@ Direction normal_at(const Basin& b, const HeightField& field, double x, double y
   return glm::normalize(Direction(-dx, 1, -dz));
 }
 
-// Beer's law on the way down and up again, as if both were upright.
+// Beer's law on the light's way down, as if it were upright. On the way up the water itself absorbs (add_water()).
 glm::vec4 under_water(const Basin& b, double y) {
-  return {glm::exp(2 * float(std::min(y, 0.0)) * b.tint), 1};
+  return {glm::exp(float(std::min(y, 0.0)) * b.tint), 1};
 }
 
 // A parallelogram from its upper left corner, cut into columns and rows; texture coordinates in metres.
@@ -165,12 +169,16 @@ void add_surroundings(Builder& to, const Basin& b) {
   to.add("yellow ball", ball(yellow, {1.2, b.rim + 0.14, -b.deep - 0.2}, 0.14));
 }
 
+// The water is its surface alone: what it absorbs along ends where something is met.
 void add_water(Builder& to, const Basin& b, const HeightField& field) {
+  constexpr float endless = 1e6F;
   to.pool.scene.materials.push_back({.name = "water",
                                      .roughness = 0,
                                      .transmission = 1,
                                      .ior = float(1 / b.eta),
-                                     .solid = true});
+                                     .solid = true,
+                                     .absorption = b.tint,
+                                     .thickness = endless});
   const int material = int(to.pool.scene.materials.size()) - 1;
   to.pool.water = to.add("water", wall(material, {-b.wide, 0, -b.deep}, {2 * b.wide, 0, 0}, {0, 0, 2 * b.deep},
                                        field.columns() - 1, field.rows() - 1));
@@ -185,6 +193,37 @@ Pool make_pool(const Basin& basin, const HeightField& field) {
   add_surroundings(builder, basin);
   add_water(builder, basin, field);
   return std::move(builder.pool);
+}
+
+void add_model(Pool& pool, const Basin& basin, const SceneGraph& model, double height) {
+  const Pose placed = pose(model, 0);
+  Direction low(std::numeric_limits<double>::infinity()), high = -low;
+  for (const Instance& i : instances(model))
+    for (const glm::vec3& p : model.meshes[std::size_t(i.mesh)].positions) {
+      const Direction there(placed[std::size_t(i.node)] * glm::vec<4, double, glm::highp>(p, 1));
+      low = glm::min(low, there), high = glm::max(high, there);
+    }
+  if (!(high.y > low.y)) throw UsageError("the model has no height: --model takes a scene with meshes");
+  const Direction foot(0.5 * (low.x + high.x), low.y, 0.5 * (low.z + high.z));
+  const Matrix stand = glm::translate(Matrix(1), Direction(0, basin.floor, 0)) *
+                       glm::scale(Matrix(1), Direction(height / (high.y - low.y))) * glm::translate(Matrix(1), -foot);
+  SceneGraph& scene = pool.scene;
+  const int first_mesh = int(scene.meshes.size()), first_material = int(scene.materials.size()),
+            first_texture = int(scene.textures.size());
+  scene.textures.insert(scene.textures.end(), model.textures.begin(), model.textures.end());
+  for (Material m : model.materials) {
+    for (int* texture : {&m.base_colour_texture, &m.metallic_roughness_texture, &m.emissive_texture, &m.normal_texture,
+                         &m.occlusion_texture, &m.coat_texture, &m.coat_roughness_texture, &m.coat_normal_texture,
+                         &m.sheen_texture, &m.sheen_roughness_texture})
+      if (*texture >= 0) *texture += first_texture;
+    scene.materials.push_back(std::move(m));
+  }
+  for (Mesh mesh : model.meshes) {
+    mesh.material += first_material;
+    scene.meshes.push_back(std::move(mesh));
+  }
+  for (const Instance& i : instances(model))
+    scene.nodes.push_back({.name = "model", .local = stand * placed[std::size_t(i.node)], .meshes = {first_mesh + i.mesh}});
 }
 
 void set_waves(Pool& pool, const Basin& basin, const HeightField& field, const Direction& sun) {

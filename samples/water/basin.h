@@ -29,6 +29,10 @@ struct Pool {
 /// Of still water.
 Pool make_pool(const Basin& basin, const HeightField& field);
 
+/// Stands a scene's meshes, as they are at time 0, on the floor in the middle of the basin. Its lights, cameras and movements
+/// are left out. @param height metres, of the box that holds them. @throws envmap::UsageError where it has no height.
+void add_model(Pool& pool, const Basin& basin, const envmap::SceneGraph& model, double height);
+
 /// Takes the water's mesh and the light on the floor from the field. @param sun towards it.
 void set_waves(Pool& pool, const Basin& basin, const HeightField& field, const Direction& sun);
 

@@ -7,6 +7,7 @@
 #include <iostream>
 
 #include "envmap/envmap.h"
+#include "envmap/scenes/read/read_scene.h"
 #include "envmap/scenes/render/context.h"
 #include "envmap/scenes/render/rays/raycast.h"
 #include "painter.h"
@@ -17,9 +18,9 @@ using namespace envmap;
 using namespace water;
 
 struct Settings {
-  std::string output, sky, method = "maps";
+  std::string output, sky, model, method = "maps";
   int frames = 96, first = 0, height = 360, samples = 4, columns = 192, steps = 6, drops = 20;
-  double spring = 0.12, damping = 0.0015, depth = 0.05, exposure = 0, fov = 45;
+  double spring = 0.12, damping = 0.0015, depth = 0.05, exposure = 0, fov = 45, model_height = 0.6;
   std::vector<double> tint{0.7, 0.16, 0.1}, camera{0.5, 0.52, 1.35}, look_at{-0.1, 0.14, -0.6};
   Basin basin;
 };
@@ -70,6 +71,7 @@ void run(const Settings& s) {
   const Direction sun = sun_of(sky.map);
   HeightField field(s.columns, int(s.columns * s.basin.deep / s.basin.wide));
   Pool pool = make_pool(s.basin, field);
+  if (!s.model.empty()) add_model(pool, s.basin, read_scene(s.model), s.model_height);
   const Viewpoint from = camera_of(s);
   std::optional<Context> context;
   std::optional<Painter> painter;
@@ -111,6 +113,8 @@ int main(int argc, char** argv) {
       ->check(CLI::IsMember({"maps", "raycast"}))
       ->capture_default_str();
   app.add_option("--sky", s.sky, "An environment map; otherwise a blue sky");
+  app.add_option("--model", s.model, "A glTF or OBJ file that stands in the basin");
+  number("--model-height", s.model_height, 0.001, 100.0, "Of the model, in metres; the water is 0.7 deep");
   number("--exposure", s.exposure, -100.0, 100.0, "Stops");
   triple("--camera", s.camera, "Where the camera stands; the water is y = 0, in metres");
   triple("--look-at", s.look_at, "What is in the middle of the picture");
@@ -122,7 +126,7 @@ int main(int argc, char** argv) {
   number("--drops", s.drops, 0, 100000, "Frames from drop to drop; 0: none falls");
   number("--depth", s.depth, 0.0, 0.2, "Of the dent that a drop makes");
   number("--eta", s.basin.eta, 0.3, 1.0, "Refractive index of air over that of water");
-  triple("--tint", s.tint, "What water absorbs of red, green and blue, a metre");
+  triple("--tint", s.tint, "What water absorbs of red, green and blue, a metre (Beer and Lambert)");
   try {
     app.parse(argc, argv);
     s.basin.tint = Colour(direction_of(s.tint));

@@ -229,6 +229,34 @@ TEST_F(View, EachEyeHasItsFileBesideTheAnaglyph) {
   EXPECT_NE(read("left.exr"), read("right.exr"));
 }
 
+TEST_F(View, SideBySideHoldsBothEyes) {
+  succeeds({"view", "scene.gltf", "{eye}.exr", "-q", "--side-by-side", "0.3", "--width", "16", "--height", "12",
+            "--samples", "1"});
+  const Picture left = load(path("left.exr")), right = load(path("right.exr")), both = load(path("both.exr"));
+  EXPECT_EQ(both.width, 32);
+  for (int y = 0; y < 12; ++y)
+    for (int x = 0; x < 16; ++x)
+      for (int c = 0; c < 3; ++c) {
+        EXPECT_EQ(both.at(x, y)[c], left.at(x, y)[c]);
+        EXPECT_EQ(both.at(x + 16, y)[c], right.at(x, y)[c]);
+      }
+  EXPECT_NE(read("left.exr"), read("right.exr"));
+}
+
+TEST_F(View, MapsOfMirrorsAreSavedInAnyFormat) {
+  succeeds({"view", "scene.gltf", "a.png", "-q", "--width", "16", "--height", "12", "--save-maps", "maps", "--maps",
+            "cube", "--all", "--map-format", "ktx2"});
+  succeeds({"info", "maps/mirror.ktx2"});
+  fails(2, {"view", "scene.gltf", "a.png", "--save-maps", "maps", "--map-format", "xyz"}, {"xyz"});
+}
+
+TEST_F(View, TextureFiltersAreForRays) {
+  succeeds({"view", "scene.gltf", "a.png", "-q", "--width", "8", "--height", "8", "--method", "raycast",
+            "--texture-filter", "ewa"});
+  fails(2, {"view", "scene.gltf", "a.png", "--texture-filter", "ewa"}, {"--texture-filter", "--method raycast"});
+  fails(2, {"render", "scene.gltf", "a.exr", "--texture-filter", "ewa"}, {"--texture-filter", "--method raycast"});
+}
+
 // The lamp stands in direction +Z of the mirror: in the middle of the front half.
 TEST_F(View, MapsAreSaved) {
   std::filesystem::create_directory(path("maps"));
@@ -399,6 +427,7 @@ TEST_F(View, WhatMakesNoSense) {
       {"a.png --frames 1:2", {"{frame}"}},
       {"{frame}.png --frames 0:999999999", {"--frames", "1000000 frames"}},
       {"{eye}.png", {"{eye}", "--anaglyph"}},
+      {"a.png --anaglyph 0.1 --side-by-side 0.1", {"--anaglyph", "--side-by-side"}},
       {"a.png --maps latlong", {"latlong"}},
       {"a.exr --display reinhard", {"a.exr", "--display"}},
       {"a.exr --save-maps scene.gltf", {"scene.gltf", "not a folder"}},

@@ -52,7 +52,7 @@ TEST(Ownership, WhatIsGivenAwayIsKept) {
   EXPECT_EQ(first(all.front()), wanted);
 }
 
-TEST(Threads, ShareAPrefilterSource) {
+TEST(Threads, ShareAPrefilterer) {
   const Prefilterer source(sun(16));
   std::vector<PrefilterOptions> lobes;
   for (const Method method : {Method::automatic, Method::treecode})

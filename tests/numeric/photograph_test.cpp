@@ -87,5 +87,54 @@ TEST(Photograph, WidePixelsAreMeans) {
   for (const Colour& c : photograph(map.clone(), o)) EXPECT_NEAR(c.x, 0.5, 0.05);
 }
 
+// The mean of a fine checker over each pixel of a turned picture, by 16 x 16 bilinear samples; errors in their order.
+TEST(Photograph, FiltersThatCoverThePixelAreNearItsMean) {
+  const EnvironmentMap map =
+      generate(Checker{.squares = 96, .even = Rgb<double>(1), .odd = Rgb<double>(0)}, {Projection::latlong}, 512);
+  PhotographOptions o{.field_radians = 2.2, .width = 24, .height = 18, .towards = {0.4, 0.9, 0.3}};
+  const auto with = [&](Filter filter, std::optional<int> samples = {}) {
+    o.filter = filter, o.samples = samples;
+    return photograph(map.clone(), o);
+  };
+  const std::vector<Colour> truth = with(Filter::bilinear, 16);
+  const auto error = [&](const std::vector<Colour>& picture) {
+    double sum = 0;
+    for (std::size_t k = 0; k < truth.size(); ++k) sum += std::pow(picture[k].x - truth[k].x, 2);
+    return std::sqrt(sum / double(truth.size()));
+  };
+  const double point = error(with(Filter::bilinear, 1)), level = error(with(Filter::nearest_level)),
+               trilinear = error(with(Filter::trilinear)), ewa = error(with(Filter::ewa)),
+               area = error(with(Filter::area));
+  EXPECT_GT(point, 0.2);
+  EXPECT_LT(level, 0.5 * point);
+  EXPECT_LT(trilinear, 0.5 * point);
+  EXPECT_LT(ewa, 0.5 * trilinear);
+  EXPECT_LT(area, 0.01);  // Of the truth's own samples.
+  EXPECT_LT(area, ewa);
+}
+
+// Beyond a field of 90 degrees, off the face of a cube; and scaled.
+TEST(Photograph, AreasOfAWideFieldLookWhereTheLensSays) {
+  const EnvironmentMap map = directions_map(Projection::cube, 128);
+  PhotographOptions o{.field_radians = 2.4, .width = 41, .height = 31, .towards = {2, 0, 0}, .filter = Filter::area};
+  const double half = std::tan(1.2);
+  for (const Filter filter : {Filter::area, Filter::ewa, Filter::trilinear, Filter::nearest_level}) {
+    o.filter = filter;
+    EXPECT_LT(off(pixel(photograph(map.clone(), o), o, 40, 0),
+                  glm::normalize(Direction(1, half * 30.0 / 31, half * 40.0 / 31))),
+              0.7);
+    EXPECT_LT(off(pixel(photograph(map.clone(), o), o, 20, 15), {1, 0, 0}), 0.2);
+  }
+}
+
+TEST(Photograph, OtherLensesAndSamplesRefuseFiltersOfFootprints) {
+  const EnvironmentMap map = directions_map(Projection::cube, 8);
+  for (const Filter filter : {Filter::area, Filter::ewa, Filter::trilinear, Filter::nearest_level}) {
+    EXPECT_THROW(photograph(map.clone(), {.lens = CameraModel::fisheye, .filter = filter}), UsageError);
+    EXPECT_THROW(photograph(map.clone(), {.filter = filter, .samples = 2}), UsageError);
+  }
+  EXPECT_THROW(photograph(map.clone(), {.filter = Filter::sat}), UsageError);
+}
+
 }  // namespace
 }  // namespace envmap::photograph_test

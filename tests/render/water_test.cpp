@@ -141,14 +141,15 @@ TEST(Water, StillWaterReflectsWhatFresnelSays) {
 }
 
 TEST(Water, WhiteWaterInWhiteIsWhite) {
-  const Basin basin;
+  const Basin basin{.tint = Colour(0)};
   const Environment sky(generate(Constant{}, Projection::cube, 8), 8);
   for (const auto& picture : both(bare(basin, false), &sky))
     for (const Colour& c : picture) ASSERT_NEAR(c.x, 1, 2e-3);
 }
 
-// A floor that shines in a colour that tells the place, seen where Snell's law says.
-TEST(Water, StillWaterRefractsTheFloor) {
+// A floor that shines in a colour that tells the place, seen where Snell's law says and as bright as Beer and Lambert's
+// law leaves it on the slanting way up.
+TEST(Water, StillWaterRefractsAndAbsorbsTheFloor) {
   const Basin basin;
   Pool pool = bare(basin, true);
   constexpr int n = 128;
@@ -174,9 +175,10 @@ TEST(Water, StillWaterRefractsTheFloor) {
       const double u = 0.5 + 0.5 * place.x / basin.wide, v = 0.5 + 0.5 * place.z / basin.deep;
       if (std::min({u, v, 1 - u, 1 - v}) < 0.03) return;
       const double f0 = std::pow((1 - basin.eta) / (1 + basin.eta), 2),
-                   let_in = (1 - f0) * (1 - std::pow(1 + ray.y, 5));
-      ASSERT_NEAR(picture[pixel].x, let_in * u, 0.02) << place.x << " " << place.z;
-      ASSERT_NEAR(picture[pixel].y, let_in * v, 0.02) << place.x << " " << place.z;
+                   let_in = (1 - f0) * (1 - std::pow(1 + ray.y, 5)), way = basin.floor / within.y;
+      const double red = std::exp(-basin.tint.x * way), green = std::exp(-basin.tint.y * way);
+      ASSERT_NEAR(picture[pixel].x, let_in * red * u, 0.02) << place.x << " " << place.z;
+      ASSERT_NEAR(picture[pixel].y, let_in * green * v, 0.02) << place.x << " " << place.z;
       ++seen;
     });
     EXPECT_GT(seen, 500);

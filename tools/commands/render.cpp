@@ -32,6 +32,7 @@ struct Request {
   DrawMethod method = DrawMethod::automatic;
   std::optional<int> size;
   int bounces = 0, lobe_samples = 0;
+  std::optional<TextureFilter> texture_filter;
   bool distance = false;  // A channel Z.
   WriteOptions write;
 };
@@ -136,6 +137,8 @@ void check(const Request& o) {
     throw UsageError("--forward: an axis needs a latlong or angular map: use a node, X,Y,Z or camera");
   if (o.method == DrawMethod::raycast) check_no_context(o.scene);
   if (o.lobe_samples > 0 && o.method != DrawMethod::raycast) throw UsageError("--lobe-samples is for --method raycast");
+  if (o.texture_filter && o.method != DrawMethod::raycast)
+    throw UsageError("--texture-filter is for --method raycast: OpenGL filters textures trilinearly");
   const bool distorts = o.method == DrawMethod::distort || o.method == DrawMethod::tessellate;
   if (o.from.epsilon > 0 && !distorts) throw UsageError("--epsilon is for --method distort and tessellate");
   if (!can_draw(o.method, o.from.to))
@@ -165,6 +168,16 @@ DrawMethod method_for(const Request& o, const Frames& frames, std::size_t places
   load.shadow_texels /= places;
   if (loaded.scene.animations.empty()) load.shadow_texels /= std::size_t(frames.count());
   return cheapest(o.from.to, o.from.size, load, rays, card);
+}
+
+Drawn cast(const Request& o, const FrameState& shot, const Viewpoint& from, const std::vector<Mirror>& mirrors,
+           const Progress& progress) {
+  const RayPaths paths{.mirrors = nodes_of(mirrors),
+                       .bounces = o.bounces,
+                       .far = from.far,
+                       .lobe_samples = o.lobe_samples,
+                       .texture_filter = o.texture_filter.value_or(TextureFilter::bilinear)};
+  return raycast(shot, from, paths, progress);
 }
 
 struct RenderedFile {
@@ -241,8 +254,7 @@ int run(Request& o, Report& report) {
       if (turned) from.axes = turned_to(direction(o, from.at, loaded.scene, shot.pose));
       const Progress of_map = part_progress(of_frame, double(k) / double(places.size()), 1 / double(places.size()));
       const Stopwatch watch;
-      Drawn drawn = painter ? painter->paint(shot, from, method)
-                            : raycast(shot, from, {nodes_of(mirrors), o.bounces, from.far, o.lobe_samples}, of_map);
+      Drawn drawn = painter ? painter->paint(shot, from, method) : cast(o, shot, from, mirrors, of_map);
       if (of_map) of_map(1);
       const RenderedFile file{frames.path(places[k].output, frame), places[k].name, watch.seconds(),
                               drawn.missing_solid_angle};
@@ -286,6 +298,7 @@ Action define_render(Options& o) {
   o.add("--bounces", "N", &r->bounces, {0, 64}, "Reflections between mirrors (default: 0, of the environment only)");
   o.add("--lobe-samples", "N", &r->lobe_samples, {0, 65536},
         "raycast: samples per rough reflection (default: 0, prefiltered levels)");
+  add_texture_filter(o, r->texture_filter);
   o.add("--epsilon", "Z", &r->from.epsilon, {1e-6, 1},
         "distort, tessellate: move vertices with z < -1 + Z to infinity");
   o.flag("--distance", r->distance, "exact, raycast: write distances to channel Z of the EXR file");

@@ -5,12 +5,14 @@
 #include <filesystem>
 #include <ranges>
 #include <set>
+#include <span>
 
 #include "command.h"
 #include "envmap/base/error.h"
 #include "envmap/base/part_progress.h"
 #include "envmap/base/words.h"
 #include "envmap/io/images/picture.h"
+#include "envmap/io/write_distances.h"
 #include "envmap/maths/portable.h"
 #include "envmap/scenes/choose_maps.h"
 #include "envmap/scenes/choose_mirrors.h"
@@ -38,8 +40,10 @@ struct Request {
   int width = 640, height = 480, samples = 4, lobe_samples = 0;
   double exposure = 0;
   std::optional<Display> display;
-  std::optional<double> anaglyph;
+  std::optional<double> anaglyph, side_by_side;  // Metres from eye to eye.
+  std::string map_format = "exr";
   std::optional<MirrorLookup> lookup;
+  std::optional<TextureFilter> texture_filter;
   MirrorLook look;
   MirrorOptions drawing;
   std::optional<double> max_error;
@@ -52,10 +56,23 @@ std::vector<Colour> anaglyph(std::vector<Colour> left, const std::vector<Colour>
   return left;
 }
 
+// The left eye's picture left of the right one's.
+std::vector<Colour> side_by_side(const std::vector<Colour>& left, const std::vector<Colour>& right, int width) {
+  std::vector<Colour> both;
+  for (std::size_t row = 0; row < left.size(); row += std::size_t(width))
+    for (const std::vector<Colour>* eye : {&left, &right}) {
+      const auto pixels = std::span(*eye).subspan(row, std::size_t(width));
+      both.insert(both.end(), pixels.begin(), pixels.end());
+    }
+  return both;
+}
+
+std::optional<double> eye_distance(const Request& o) { return o.anaglyph ? o.anaglyph : o.side_by_side; }
+
 constexpr std::string_view eye_mark = "{eye}", eyes_of_files[] = {"left", "right", "both"};
 bool is_by_eye(const std::string& path) { return path.find(eye_mark) != std::string::npos; }
 
-// The files of a frame: one, or with {eye} in its name one an eye and the anaglyph.
+// The files of a frame: one, or with {eye} in its name one an eye and the picture of both.
 std::vector<std::string> eye_files(const std::string& path) {
   if (!is_by_eye(path)) return {path};
   std::vector<std::string> files;
@@ -109,7 +126,8 @@ Pictures cast(const Request& o, const std::vector<int>& mirrors, const FrameStat
   const double part = 1.0 / double(eyes.size());
   for (const Eye& eye : eyes)
     pictures.push_back(raycast_picture(shot, eye.from,
-                                       {mirrors, o.drawing.bounces.value_or(max_rounds), o.drawing.far, o.lobe_samples},
+                                       {mirrors, o.drawing.bounces.value_or(max_rounds), o.drawing.far, o.lobe_samples,
+                                        o.texture_filter.value_or(TextureFilter::bilinear)},
                                        part_progress(progress, part * double(pictures.size()), part)));
   return pictures;
 }
@@ -128,6 +146,8 @@ void check(const Request& o) {
         "and NODE:MAP");
   if (o.lobe_samples > 0 && o.method != ViewMethod::raycast && !o.max_error)
     throw UsageError("--lobe-samples is for --method raycast and for --max-error");
+  if (o.texture_filter && o.method != ViewMethod::raycast)
+    throw UsageError("--texture-filter is for --method raycast: OpenGL filters textures trilinearly");
   if (o.lobe_samples > 0 && !o.max_error && o.scene.reflection != Reflection::split_sum)
     throw UsageError("--lobe-samples integrates what --reflection samples: remove one of them");
   if (o.max_error && (of_maps || o.method == ViewMethod::raycast || o.drawing.bounces))
@@ -135,7 +155,9 @@ void check(const Request& o) {
         "--max-error chooses how mirrors are drawn: remove --method, --maps, --size, --max-size, --lookup, --bounces, "
         "--show-maps, --save-maps, "
         "--all and NODE:MAP");
-  if (is_by_eye(o.output) && !o.anaglyph) throw UsageError(o.output, "{eye} in a name goes with --anaglyph");
+  if (o.anaglyph && o.side_by_side) throw UsageError("--anaglyph and --side-by-side exclude each other");
+  if (is_by_eye(o.output) && !eye_distance(o))
+    throw UsageError(o.output, "{eye} in a name goes with --anaglyph and --side-by-side");
 }
 
 // What is drawn of a frame.
@@ -146,12 +168,12 @@ struct Scenery {
   const Frames& frames;
 
   [[nodiscard]] FrameState shot(int frame) const { return loaded.shot(frames.time(frame), o.scene); }
-  // One, or two of an anaglyph.
+  // One, or two of a stereo picture.
   [[nodiscard]] std::vector<Eye> eyes(int frame, const Pose& pose) const {
     const View view = viewpoints.view(pose, double(frame - frames.first) / frames.count());
-    const double separation = o.anaglyph.value_or(0);
+    const double separation = eye_distance(o).value_or(0);
     std::vector<Eye> eyes;
-    for (const double aside : o.anaglyph ? std::vector{-0.5 * separation, 0.5 * separation} : std::vector{0.0})
+    for (const double aside : separation > 0 ? std::vector{-0.5 * separation, 0.5 * separation} : std::vector{0.0})
       eyes.push_back(eye_of({o.width, o.height, o.samples, !o.drawing.all}, view, aside, 30 * separation));
     return eyes;
   }
@@ -196,6 +218,17 @@ void put(Report& report, const Request& o, int frames, const std::vector<std::st
     report.put("lookup", mirror_lookup_names[std::size_t(o.lookup.value_or(o.look.lookup))]);
 }
 
+// The files of --save-maps. Their folder may be made later, so only their names are checked.
+std::vector<std::string> map_paths(const Request& o, const SceneGraph& scene, const std::vector<Mirror>& mirrors) {
+  if (o.saved.empty()) return {};
+  std::vector<std::string> paths = map_files(o.saved, scene, nodes_of(mirrors), o.map_format);
+  for (std::size_t k = 0; k < paths.size(); ++k) {
+    const std::string name = std::filesystem::path(paths[k]).filename().string();
+    o.distance ? check_distances(name, {}) : check_output(name, {}, mirrors[k].to);
+  }
+  return paths;
+}
+
 int run(Request& o, Report& report) {
   check(o);
   const Frames frames = frames_of(o.scene);
@@ -220,7 +253,7 @@ int run(Request& o, Report& report) {
     warn(fmt::format("{}: has no mirrors for {}: choose nodes with --mirror", o.scene.path,
                      o.saved.empty() ? "--show-maps" : "--save-maps"));
   const std::vector<int> nodes = nodes_of(mirrors);
-  const std::vector<std::string> maps = o.saved.empty() ? std::vector<std::string>{} : map_files(o.saved, scene, nodes);
+  const std::vector<std::string> maps = map_paths(o, scene, mirrors);
   check_files(outputs, loaded.inputs, {}, all_maps(maps, frames));  // Mirrors that nobody sees have no map.
   open_depfile();
   std::optional<Context> context;
@@ -255,12 +288,14 @@ int run(Request& o, Report& report) {
     if (of_frame) of_frame(1);
     seconds += watch.seconds();
     if (!maps.empty()) save(*painter, o, frames.sequence ? numbered(maps, frame) : maps);
-    if (o.anaglyph) pictures.push_back(anaglyph(pictures[0], pictures[1]));
+    if (eye_distance(o))
+      pictures.push_back(o.anaglyph ? anaglyph(pictures[0], pictures[1])
+                                    : side_by_side(pictures[0], pictures[1], o.width));
     const std::vector<std::string> files = eye_files(frames.path(o.output, frame));
     if (files.size() < pictures.size()) pictures.erase(pictures.begin(), pictures.end() - 1);
     for (std::size_t k = 0; k < files.size(); ++k) {
       for (Colour& c : pictures[k]) c *= gain;
-      write_picture(files[k], o.width, pictures[k], how);
+      write_picture(files[k], int(pictures[k].size() / std::size_t(o.height)), pictures[k], how);
     }
   }
   tell_darkness(loaded, o.scene);
@@ -296,6 +331,8 @@ Action define_view(Options& o) {
   add_display(o, r->display, Display::clip);
   o.add("--anaglyph", "METRES", &r->anaglyph, {1e-9, 1e9},
         "Red-cyan stereo picture with this eye distance ({eye}: three files)");
+  o.add("--side-by-side", "METRES", &r->side_by_side, {1e-9, 1e9},
+        "Stereo picture of double width, the left eye's view left ({eye}: three files)");
   o.add("--format", "EXT", &r->format, "File type for '-' or a name without extension (default: png)");
   add_light(o, r->scene);
   o.group = "Mirrors";
@@ -318,6 +355,7 @@ Action define_view(Options& o) {
         "Reflections of the environment on rough surfaces: {} (default: split-sum)");
   o.add("--lobe-samples", "N", &r->lobe_samples, {0, 65536},
         "raycast, --max-error: samples per rough reflection (default: 0, prefiltered levels)");
+  add_texture_filter(o, r->texture_filter);
   o.add("--lookup", one_of(r->lookup, mirror_lookup_names), "How maps are looked up: {} (default: distance)");
   o.add("--max-error", "E", &r->max_error, {1e-6, 10},
         "Use the smallest maps whose picture is within rms E of ray casting");
@@ -327,12 +365,13 @@ Action define_view(Options& o) {
   o.flag("--show-maps", r->look.tinted, "Tint reflections by the face of the map that they come from");
   o.add("--save-maps", "FOLDER", &r->saved,
         "Write the map of each mirror into this folder (made if missing) as NODE.exr");
+  o.add("--map-format", "EXT", &r->map_format, "--save-maps: file type of the maps (default: exr)");
   o.flag("--distance", r->distance, "--save-maps: write distances to channel Z of the EXR files");
   add_context(o, r->scene);
   add_frames(o, r->scene);
   o.need("--environment", {"--reflection"});
   o.need("--frames", {"--orbit"});
-  o.need("--save-maps", {"--distance"});
+  o.need("--save-maps", {"--distance", "--map-format"});
   add_scene_input(o, r->scene);
   return [r](Report& report) { return run(*r, report); };
 }

@@ -65,14 +65,14 @@ int take_photograph(const PhotographJob& job, Report& report) {
   grade(source, job.grade, job.read.colour);
   PhotographOptions options = resolved(job);
   if (job.turn) options.rotation = rotation_of(*job.turn, source.map);
-  options.samples = samples_of(options, source.map.base());
+  if (of_points(options.filter)) options.samples = samples_of(options, source.map.base());
   open_depfile(1);
   const std::vector<Colour> picture = photograph(std::move(source.map), options);
   if (how.display == Display::clip && !is_linear_picture(job.output, how)) tell_clipping(job.output, picture);
   write_picture(job.output, options.width, picture, how);
   report.put("input", job.input);
   report.put("filter", name(options.filter));
-  report.put("samples", options.samples);
+  report.put("samples", options.samples.value_or(1));
   report.put("error", nullptr);
   report.put("lens", camera_model_names[std::size_t(options.lens)]);
   report.put("width", options.width);

@@ -27,7 +27,8 @@ MirrorWish mirror_wish(const SceneGraph& scene, const std::string& text) {
       nodes_in_words(scene)));
 }
 
-std::vector<std::string> map_files(const std::string& folder, const SceneGraph& scene, const std::vector<int>& nodes) {
+std::vector<std::string> map_files(const std::string& folder, const SceneGraph& scene, const std::vector<int>& nodes,
+                                   const std::string& extension) {
   std::vector<std::string> files;
   if (std::error_code error; std::filesystem::exists(folder, error) && !std::filesystem::is_directory(folder, error))
     throw UsageError(folder, "is not a folder");
@@ -38,16 +39,16 @@ std::vector<std::string> map_files(const std::string& folder, const SceneGraph& 
     };
     std::ranges::replace_if(name, ends_names, '_');
     if (name.empty() || name.starts_with('.')) name = fmt::format("node {}{}", node, name);
-    std::string path = (std::filesystem::path(folder) / (name + ".exr")).string();
+    std::string path = (std::filesystem::path(folder) / (name + "." + extension)).string();
     if (std::ranges::find(files, path) != files.end())
-      path = (std::filesystem::path(folder) / fmt::format("{} (node {}).exr", name, node)).string();
+      path = (std::filesystem::path(folder) / fmt::format("{} (node {}).{}", name, node, extension)).string();
     files.push_back(path);
   }
   return files;
 }
 
 std::vector<std::string> numbered(std::vector<std::string> files, int frame) {
-  for (std::string& file : files) file.insert(file.size() - 4, fmt::format(".{:04}", frame));
+  for (std::string& file : files) file.insert(file.rfind('.'), fmt::format(".{:04}", frame));
   return files;
 }
 

@@ -19,10 +19,10 @@ inline constexpr std::string_view map_names[] = {"sphere", "paraboloid", "cube"}
 // NODE, NODE:PROJECTION or NODE:off. @throws UsageError
 envmap::MirrorWish mirror_wish(const envmap::SceneGraph& scene, const std::string& text);
 
-// FOLDER/NODE.exr for each; names are told apart, and what would end them is replaced. @throws UsageError where there
-// is no such folder.
+// FOLDER/NODE.EXTENSION for each; names are told apart, and what would end them is replaced. @throws UsageError where
+// there is no such folder.
 std::vector<std::string> map_files(const std::string& folder, const envmap::SceneGraph& scene,
-                                   const std::vector<int>& nodes);
+                                   const std::vector<int>& nodes, const std::string& extension);
 
 // Of a frame: NODE.0001.exr.
 std::vector<std::string> numbered(std::vector<std::string> files, int frame);

@@ -43,6 +43,11 @@ void add_context(Options& o, SceneOptions& s) {
   o.add("--context", one_of(s.context, context_names), "OpenGL renderer: {} (default: auto)");
 }
 
+void add_texture_filter(Options& o, std::optional<TextureFilter>& filter) {
+  o.add("--texture-filter", one_of(filter, texture_filter_names),
+        "raycast: filter of textures: {} (default: bilinear)");
+}
+
 void add_allow_missing(Options& o, std::optional<bool>& allow_missing) {
   allow_missing = false;
   o.add(

@@ -13,6 +13,7 @@
 #include "envmap/scenes/lit_scene.h"
 #include "envmap/scenes/render/context.h"
 #include "envmap/scenes/render/draw.h"
+#include "envmap/scenes/render/texture_filter.h"
 
 namespace tools {
 
@@ -29,6 +30,7 @@ struct SceneOptions {
 };
 void add_scene(Options& o, SceneOptions& scene);  ///< The argument. The others add a group each.
 void add_light(Options& o, SceneOptions& scene);
+void add_texture_filter(Options& o, std::optional<envmap::TextureFilter>& filter);
 void add_context(Options& o, SceneOptions& scene);
 void add_frames(Options& o, SceneOptions& scene);
 void add_scene_input(Options& o, SceneOptions& scene);

@@ -73,7 +73,7 @@ void take_out(EnvironmentMap& map, const FoundLights& found);
 /// the map: over the largest value that the map has in any direction, of the worst channel.
 struct LightError {
   double irradiance = 0;  ///< Of unshadowed planes.
-  double ggx = 0;         ///< Of prefiltered reflection (Shape::ggx).
+  double ggx = 0;         ///< Of prefiltered reflection (Lobe::ggx).
 };
 
 /// No kernel changes by more than its steepest slope times the distance that light is moved: a theorem, which holds for

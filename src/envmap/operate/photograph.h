@@ -32,8 +32,11 @@ struct PhotographOptions {
   int width = 640, height = 480;
   /// World direction in the middle; not 0. +Y is up, or -Z of what looks up, +Z of what looks down.
   Direction towards{0, 0, 1};
-  Filter filter = Filter::bilinear;  ///< nearest, bilinear or bicubic.
-  std::optional<int> samples = {};   ///< Along each side of a pixel; absent: as samples_of() says.
+  /// nearest, bilinear or bicubic; of the perspective lens also nearest_level, trilinear, ewa and area, the solid-angle
+  /// mean over each pixel to 1e-4 of it.
+  Filter filter = Filter::bilinear;
+  /// Along each side of a pixel, for nearest, bilinear and bicubic; absent: as samples_of() says.
+  std::optional<int> samples = {};
   Rotation rotation{1};  ///< Turns the environment before the picture is taken, as ConvertOptions::rotation.
   double gain = 1;       ///< Factor on radiance.
 };
@@ -44,7 +47,7 @@ double angle_across(const PhotographOptions& options);
 /// Along each side of a pixel: `samples`, or two for each texel of the source that the widest pixel spans, up to 32.
 int samples_of(const PhotographOptions& options, const Level& source);
 
-/// Radiance, rows from the top: plain means of samples x samples places in each pixel.
+/// Radiance, rows from the top: plain means of samples x samples places in each pixel, or as the filter says.
 /// @throws UsageError where a field is out of its range (bounds.h) or a cylinder spans more than one turn, InputError
 /// where a texel is NaN or infinite.
 std::vector<Colour> photograph(EnvironmentMap source, const PhotographOptions& options, const Run& run = {});

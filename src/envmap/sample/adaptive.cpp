@@ -244,4 +244,12 @@ Sampler adaptive_sampler(const PaddedLevel& source, const Target& target, double
   return [task](int face, int row, int first, std::span<Colour> out) { sample_area(task, face, row, first, out); };
 }
 
+Colour adaptive_mean(const PaddedLevel& source, const Target& target, double tolerance, double floor, int face,
+                     const Point2& low, const Point2& high) {
+  static thread_local Workspace ws;
+  const Area task{source, target, tolerance, floor};
+  return texel_mean(task, face, {low.x, low.y, high.x, high.y}, direction_at(target.to, face, 0.5 * (low + high)), true,
+                    ws);
+}
+
 }  // namespace envmap

@@ -16,4 +16,9 @@ namespace envmap {
 /// @param tolerance of a texel, relative to the larger of its value and `floor`.
 Sampler adaptive_sampler(const PaddedLevel& source, const Target& target, double tolerance, double floor);
 
+/// The same of any rectangle of a face of the result, from (u,v) `low` to `high`. It may reach beyond the sides of a
+/// cube's face, whose plane goes on.
+Colour adaptive_mean(const PaddedLevel& source, const Target& target, double tolerance, double floor, int face,
+                     const Point2& low, const Point2& high);
+
 }  // namespace envmap

@@ -106,7 +106,7 @@ Sampler make_probes(const Levels& levels, const Target& target,
   };
 }
 
-constexpr std::array<FilterInfo, 7> all_filters{{
+constexpr std::array<FilterInfo, 8> all_filters{{
     {Filter::nearest, "nearest", "Source texel at the centre of each output texel", false, true},
     {Filter::bilinear, "bilinear", "Bilinear interpolation at this point", false, true},
     {Filter::bicubic, "bicubic", "Catmull-Rom interpolation, clamped to the range of the four nearest texels", false,
@@ -120,6 +120,10 @@ constexpr std::array<FilterInfo, 7> all_filters{{
      "Solid-angle mean of the bilinearly reconstructed source over the exact footprint, to within the "
      "area error. The reference",
      false, false},
+    {Filter::nearest_level, "nearest-level",
+     "Bilinear interpolation in the mip level whose texels fit best (GL_LINEAR_MIPMAP_NEAREST). Shows the borders of "
+     "levels",
+     true, false},
 }};
 
 using Make = Sampler (*)(const Levels&, const Target&, const FilterOptions&);
@@ -139,6 +143,7 @@ constexpr std::array<Make, all_filters.size()> makers{
         return area_sampler(l.front(), t, o.area_error, o.floor);
       return quad_sampler(l.front(), t, o.area_error, o.floor, o.sides == AreaSides::quads);
     },
+    [](const Levels& l, const Target& t, const FilterOptions&) { return make_probes(l, t, nearest_level_plan); },
 };
 
 }  // namespace

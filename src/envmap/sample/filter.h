@@ -11,9 +11,9 @@
 
 namespace ENVMAP_EXPORT envmap {
 
-enum class Filter { nearest, bilinear, bicubic, trilinear, sat, ewa, area };
+enum class Filter { nearest, bilinear, bicubic, trilinear, sat, ewa, area, nearest_level };
 template <>
-inline constexpr std::size_t enumerators<Filter> = std::size_t(Filter::area) + 1;
+inline constexpr std::size_t enumerators<Filter> = std::size_t(Filter::nearest_level) + 1;
 
 /// What the area filter integrates over, where maps have no rims and creases (quad.h).
 enum class AreaSides {

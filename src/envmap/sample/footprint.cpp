@@ -17,17 +17,25 @@ Direction brought_to_source(const Target& target, const Direction& at, const Dir
   return (seen(step) - seen(-step)) / (2 * step);
 }
 
+// Where derivatives are found for a point: across the rim of a sphere map they would cancel.
+Point2 within_rim(Projection to, int size, const Point2& at) {
+  if (!on_disc(to)) return at;
+  const double r = glm::length(2.0 * at - 1.0);
+  return 0.5 + (at - 0.5) * std::min(1.0, std::max(0.1, 1 - 0.5 / size) / std::max(r, 1e-9));
+}
+
 }  // namespace
 
+Derivative texel_derivative(Projection to, int size, int face, const Point2& at) {
+  const double h = size, w = h * aspect(to);
+  const Point2 inside = within_rim(to, size, at);
+  const Derivative by_side = derivative(to, {face, inside.x, inside.y}, 0.25 / h);
+  return {by_side.du / w, by_side.dv / h};
+}
+
 Jacobian jacobian(const Target& target, Projection source, int source_size, int face, const Point2& at) {
-  const double h = target.size, w = h * aspect(target.to);
-  Point2 inside = at;
-  if (on_disc(target.to)) {  // Across the rim of a sphere map the derivative would cancel.
-    const double r = glm::length(2.0 * at - 1.0);
-    inside = 0.5 + (at - 0.5) * std::min(1.0, std::max(0.1, 1 - 0.5 / h) / std::max(r, 1e-9));
-  }
-  const Derivative out = derivative(target.to, {face, inside.x, inside.y}, 0.25 / h);
-  Direction d = direction_at(target.to, face, inside);
+  const Derivative out = texel_derivative(target.to, target.size, face, at);
+  Direction d = direction_at(target.to, face, within_rim(target.to, target.size, at));
   const Direction in_frame = target.to_source * d;
   target.bring_to_source({&d, 1});
   const Derivative in = derivative(source, locate(source, d), 0.25 / source_size);
@@ -39,7 +47,7 @@ Jacobian jacobian(const Target& target, Projection source, int source_size, int 
     const double ma = glm::dot(a, m), mb = glm::dot(b, m);
     return Point2(bb * ma - ab * mb, aa * mb - ab * ma) / det;
   };
-  return {moved(out.du / w), moved(out.dv / h)};
+  return {moved(out.du), moved(out.dv)};
 }
 
 Ellipse ellipse(const Jacobian& j) {

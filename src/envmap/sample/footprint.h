@@ -11,6 +11,9 @@ struct Jacobian {
   Point2 du, dv;
 };
 
+/// How the direction of the result moves from texel to texel along u and v, at a point (u,v) of a face of `size` rows.
+Derivative texel_derivative(Projection to, int size, int face, const Point2& at);
+
 /// At a point (u,v) of a face of the result. The chain rule: the derivative of the result's direction, solved for the
 /// source's in its tangent plane by the normal equations. Finite everywhere; close to singular at poles and rims.
 Jacobian jacobian(const Target& target, Projection source, int source_size, int face, const Point2& at);

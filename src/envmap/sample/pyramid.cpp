@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "envmap/maths/portable.h"
-#include "envmap/sample/footprint.h"
 #include "envmap/sample/point.h"
 
 namespace envmap {
@@ -31,13 +30,25 @@ void sample_trilinear(std::span<const PaddedLevel> levels, std::span<const Locat
   for (std::size_t k = 0; k < at.size(); ++k) out[k] = (1 - f) * out[k] + f * coarse[k];
 }
 
+Probes trilinear_plan(const Jacobian& j) { return {.lod = portable::log2(std::max(1.0, ellipse(j).major))}; }
+
 Probes trilinear_plan(const Target& target, const PaddedLevel& base, int face, const Point2& at) {
-  const Ellipse e = ellipse(jacobian(target, base.projection(), base.height(), face, at));
-  return {.lod = portable::log2(std::max(1.0, e.major))};
+  return trilinear_plan(jacobian(target, base.projection(), base.height(), face, at));
+}
+
+Probes nearest_level_plan(const Jacobian& j) {
+  return {.lod = std::max(0.0, std::ceil(trilinear_plan(j).lod + 0.5) - 1)};
+}
+
+Probes nearest_level_plan(const Target& target, const PaddedLevel& base, int face, const Point2& at) {
+  return nearest_level_plan(jacobian(target, base.projection(), base.height(), face, at));
 }
 
 Probes ewa_plan(const Target& target, const PaddedLevel& base, int face, const Point2& at) {
-  const Jacobian j = jacobian(target, base.projection(), base.height(), face, at);
+  return ewa_plan(jacobian(target, base.projection(), base.height(), face, at));
+}
+
+Probes ewa_plan(const Jacobian& j) {
   const double across = glm::length(j.du), down = glm::length(j.dv);
   const double texel = std::max({1.0, ellipse(j).minor / finer, across / max_probes, down / max_probes});
   const auto count = [&](double length) { return std::clamp(int(std::ceil(length / texel)), 1, int(max_probes)); };

@@ -74,7 +74,7 @@ class GridRays {
       texel_directions(to, size, face, row, 0, rays);
       for (std::size_t i = 0; i < rays.size(); ++i)
         level.row(face, row)[i] =
-            look(tree_, tracer_, light_, from_, at - from_.at, rays[i], &sky.base().row(face, row)[i]).radiance;
+            look(tree_, tracer_, light_, from_, at - from_.at, rays[i], {}, &sky.base().row(face, row)[i]).radiance;
     });
     return seen;
   }

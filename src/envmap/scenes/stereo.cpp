@@ -10,7 +10,8 @@ namespace envmap {
 Eye eye_of(const PictureSize& picture, const View& view, double aside, double still) {
   const Rotation& axes = view.axes;
   const bool parallel = view.half_height > 0;
-  if (parallel && aside != 0) throw UsageError("the camera is orthographic, so both eyes of an anaglyph see the same");
+  if (parallel && aside != 0)
+    throw UsageError("the camera is orthographic, so both eyes of a stereo picture see the same");
   const double half = 0.5 * view.vertical_field;
   const double up = parallel ? view.half_height : portable::sin(half) / portable::cos(half),
                across = up * picture.width / picture.height;

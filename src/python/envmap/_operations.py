@@ -30,7 +30,7 @@ def convert(map: AnyMap, to: Projection | None = None, *, size: Whole | None = N
     size : int, optional
         Height of a face in texels, 1 to 65536. Default: the density of the source.
     filter : str, optional
-        'nearest', 'bilinear', 'bicubic', 'trilinear', 'sat', 'ewa' or 'area'. Default: area for reduction, else bilinear.
+        'nearest', 'bilinear', 'bicubic', 'trilinear', 'sat', 'ewa', 'area' or 'nearest-level'. Default: area for reduction, else bilinear.
     samples : int, optional
         N x N samples per texel for nearest, bilinear and bicubic, 1 to 64 (default: 1).
     max_error : float, optional
@@ -324,7 +324,7 @@ def photograph(map: AnyMap, *, towards: Triple = (0, 0, 1), fov: Number = 60.0, 
     lens : str, optional
         'perspective' (default), 'fisheye' (equidistant) or 'cylinder'.
     filter : str, optional
-        'bilinear' (default), 'nearest' or 'bicubic'.
+        'bilinear' (default), 'nearest' or 'bicubic'; of the perspective lens also 'nearest-level', 'trilinear', 'ewa' and 'area'.
     samples : int, optional
         N x N samples per pixel. Default: two for each texel of the source that a pixel spans.
     rotate : three numbers, optional

@@ -40,6 +40,15 @@ vec2 envmap_sphere(vec3 d) {
   return vec2(0.5 + 0.5 * at.x, 0.5 - 0.5 * at.y);
 }
 
+// As a texture matrix: with h = d + (0, 0, 1), the normal of the ball that mirrors d to an eye on +Z, of unit length, the
+// ball's place (h.x, h.y) is that of its picture from afar: u = 1/2 + h.x / 2 and v = 1/2 - h.y / 2, v being down.
+// sphere (u, v, -, w) = M (h.x, h.y, h.z, 1):
+//   | 0.5  0.0  0.0  0.5 |
+//   | 0.0 -0.5  0.0  0.5 |
+//   | 0.0  0.0  0.0  0.0 |
+//   | 0.0  0.0  0.0  1.0 |
+// d is in the frame of the map: multiply M by the rotation from eye space for normals in eye space.
+
 // Octahedral maps (Engelhardt and Dachsbacher 2008), +Y in the centre.
 vec2 envmap_octahedral(vec3 d) {
   vec3 a = abs(d) / (abs(d.x) + abs(d.y) + abs(d.z));
@@ -61,6 +70,21 @@ vec3 envmap_paraboloid(vec3 d) {
   vec2 at = d.xy / (1.0 + abs(d.z));
   return vec3(0.5 + 0.5 * at.x, 0.5 - 0.5 * at.y, d.z < 0.0 ? 1.0 : 0.0);
 }
+
+// As texture matrices: the paraboloid z = (1 - x^2 - y^2) / 2 mirrors d to +Z at the place d.xy / (1 + d.z), because its
+// normal there, (x, y, 1), halves the angle between d and +Z. u = 1/2 + x / 2 and v = 1/2 - y / 2 times w = 1 + d.z are
+// linear in d, and the graphics card divides by w. Behind, -d.z stands for d.z.
+// front (u, v, -, w) = M (d.x, d.y, d.z, 1):
+//   | 0.5  0.0  0.5  0.5 |
+//   | 0.0 -0.5  0.5  0.5 |
+//   | 0.0  0.0  0.0  0.0 |
+//   | 0.0  0.0  1.0  1.0 |
+// back (u, v, -, w) = M (d.x, d.y, d.z, 1):
+//   | 0.5  0.0 -0.5  0.5 |
+//   | 0.0 -0.5 -0.5  0.5 |
+//   | 0.0  0.0  0.0  0.0 |
+//   | 0.0  0.0 -1.0  1.0 |
+// d has unit length: the last column stands for |d|. For d in eye space multiply M by the rotation from there to the map.
 
 // Cube maps in one 2D image: u, v and the face, 0 to 5 for +X -X +Y -Y +Z -Z, seen from inside. A cube texture of a
 // KTX2, KTX or DDS file takes the direction itself.

@@ -17,6 +17,7 @@
 
 #include "envmap/base/error.h"
 #include "envmap/io/formats/gltf_document.h"
+#include "envmap/maths/portable.h"
 #include "envmap/scenes/read/draco.h"
 #include "envmap/scenes/read/read_texture.h"
 #include "envmap/scenes/scene/mesh.h"
@@ -282,6 +283,19 @@ void read_sheen(GltfReader& r, const Field& sheen, Material& m) {
   m.sheen_roughness_texture = texture(r, sheen["sheenRoughnessTexture"], false);
 }
 
+// KHR_materials_volume. After `attenuationDistance` metres white light has the attenuation colour.
+void read_volume(GltfReader& r, const Field& volume, Material& m) {
+  m.thickness = float(volume["thicknessFactor"].number(0, 0, 1e30));
+  m.solid = m.thickness > 0;
+  if (!m.solid) return;
+  if (volume["thicknessTexture"].there()) r.note_unsupported("textures of thickness");
+  const Field distance = volume["attenuationDistance"];
+  if (!distance.there()) return;
+  const auto colour = volume["attenuationColor"].numbers({1, 1, 1}, 0, 1);
+  for (int k = 0; k < 3; ++k)
+    m.absorption[k] = float(-portable::log(std::max(colour[std::size_t(k)], 1e-30)) / distance.number(1, 1e-30, 1e30));
+}
+
 Material material_from(GltfReader& r, const Field& field) {
   const Field metallic = field["pbrMetallicRoughness"], extensions = field["extensions"];
   Material m{.name = field["name"].text()};
@@ -301,9 +315,7 @@ Material material_from(GltfReader& r, const Field& field) {
   // 0 stands for infinity there, the old metal-like workflow; it reflects everything.
   m.ior = float(extensions["KHR_materials_ior"]["ior"].number(1.5, 0, 1e6));
   if (m.ior < 1) m.ior = m.ior == 0 ? 1e6F : 1;
-  const Field volume = extensions["KHR_materials_volume"];
-  m.solid = volume["thicknessFactor"].number(0, 0, 1e30) > 0;
-  if (m.solid && volume["attenuationDistance"].there()) r.note_unsupported("absorption inside glass");
+  read_volume(r, extensions["KHR_materials_volume"], m);
   m.double_sided = field["doubleSided"].truth(false);
   const std::string mode = field["alphaMode"].text("OPAQUE");
   if (mode == "MASK") m.alpha_cutoff = float(field["alphaCutoff"].number(0.5, 0, 1e6));

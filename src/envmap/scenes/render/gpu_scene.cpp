@@ -32,6 +32,7 @@ struct GpuMaterial {
   glm::vec4 rest;   // How light bends (shading.glsl), Material::normal_scale, occlusion_strength.
   glm::vec4 sheen;  // And its roughness.
   glm::vec4 coat;   // How much, its roughness, Material::coat_normal_scale.
+  glm::vec4 volume;  // Material::absorption and thickness.
 };
 static_assert(sizeof(GpuMaterial) == material_texels * sizeof(glm::vec4));
 struct GpuLight {
@@ -92,7 +93,8 @@ std::vector<GpuMaterial> materials_of(const SceneGraph& scene) {
                    m.ior,
                    glm::vec4(m.solid ? 1 / std::max(1.0F, m.ior) : 1, m.normal_scale, m.occlusion_strength, 0),
                    glm::vec4(m.sheen, m.sheen_roughness),
-                   glm::vec4(m.coat, m.coat_roughness, m.coat_normal_scale, 0)});
+                   glm::vec4(m.coat, m.coat_roughness, m.coat_normal_scale, 0),
+                   glm::vec4(m.absorption, m.thickness)});
   return all;
 }
 

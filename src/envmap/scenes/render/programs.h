@@ -51,7 +51,7 @@ enum Unit : GLuint {
 /// Texels of four floats that a corner takes in its buffer.
 inline constexpr unsigned corner_texels = 3;
 /// The same of a material.
-inline constexpr unsigned material_texels = 6;
+inline constexpr unsigned material_texels = 7;
 
 /// What finds the surface of each texel. @param method exact, distort or tessellate, as far as can_draw(). @param holes
 /// whether the material has an alpha_cutoff. @param layered whether the layer behind is left out (visible.glsl).

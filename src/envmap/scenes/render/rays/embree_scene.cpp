@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "envmap/base/error.h"
+#include "envmap/maths/portable.h"
 #include "envmap/scenes/render/rays/embree_version.h"
 #include "envmap/scenes/render/rays/texture_sample.h"
 
@@ -20,12 +21,14 @@ struct InstanceTransform {
   const SceneGraph* scene = nullptr;
   const Mesh* mesh = nullptr;
   const Material* material = nullptr;
+  const TextureSampler* textures = nullptr;
   int node = 0;
   bool seen = true;  // Else it only casts shadows.
   std::vector<glm::vec3> positions;
   std::vector<std::uint32_t> indices;
   Rotation tangents{1}, normals{1};  // Into the world's axes.
   double handed = 1;                 // -1: mirrored.
+  double scale = 1;                  // Of lengths, the mean of all directions'.
 };
 
 InstanceTransform place(const FrameState& shot, const Direction& centre, const Instance& instance) {
@@ -39,6 +42,7 @@ InstanceTransform place(const FrameState& shot, const Direction& centre, const I
   p.indices = p.mesh->indices;
   p.tangents = linear;
   p.normals = cofactors(linear);
+  p.scale = portable::cbrt(std::abs(glm::determinant(linear)));
   if (glm::determinant(linear) < 0) {
     // The front of a mirrored triangle is where its corners run clockwise (glTF 2.0, 3.7.4).
     for (std::size_t k = 0; k + 2 < p.indices.size(); k += 3) std::swap(p.indices[k + 1], p.indices[k + 2]);
@@ -82,12 +86,12 @@ RayQuery meet(const InstanceTransform& p, std::size_t triangle, const Direction&
   return m;
 }
 
-glm::vec4 sample(const InstanceTransform& p, int texture, const glm::vec2& at) {
-  return texture < 0 ? glm::vec4(1) : texture_at(p.scene->textures[texture], at);
+glm::vec4 sample(const InstanceTransform& p, int texture, const TextureFootprint& at) {
+  return texture < 0 ? glm::vec4(1) : (*p.textures)(texture, at);
 }
 
-glm::vec4 base_colour(const InstanceTransform& p, const RayQuery& m) {
-  const glm::vec4 own = p.material->base_colour * sample(p, p.material->base_colour_texture, m.of(p.mesh->coordinates));
+glm::vec4 base_colour(const InstanceTransform& p, const RayQuery& m, const glm::vec4& texel) {
+  const glm::vec4 own = p.material->base_colour * texel;
   return p.mesh->colours.empty() ? own : own * m.of(p.mesh->colours);
 }
 
@@ -100,7 +104,11 @@ struct Query : embree::Context {
 
 // For light; to the eye what is blended has no holes.
 bool is_hole(const InstanceTransform& p, const RayQuery& m) {
-  return p.material->alpha_cutoff > 0 && base_colour(p, m).w < p.material->alpha_cutoff;
+  if (p.material->alpha_cutoff <= 0) return false;
+  const int texture = p.material->base_colour_texture;
+  const glm::vec4 texel =
+      texture < 0 ? glm::vec4(1) : texture_at(p.scene->textures[std::size_t(texture)], m.of(p.mesh->coordinates));
+  return base_colour(p, m, texel).w < p.material->alpha_cutoff;
 }
 
 // Called for each hit of a ray of light.
@@ -137,31 +145,63 @@ Direction lift(const InstanceTransform& p, const RayQuery& m, const Direction& p
   return sum;
 }
 
+// How a place on a triangle, and what is interpolated there, moves with the ray.
+struct TriangleSpread {
+  RayDifferential ray;
+  std::array<Direction, 2> normals{Direction(0), Direction(0)};
+  TextureFootprint texture;
+};
+
+// @param front the unit normal's direction, of the length that interpolation gives it.
+TriangleSpread spread_over(const InstanceTransform& p, const RayQuery& m, const Direction& ray, double distance,
+                           const Direction& front, const RayDifferential& spread) {
+  TriangleSpread s{};
+  s.texture.at = m.of(p.mesh->coordinates);
+  if (spread.is_zero()) return s;
+  Direction corner[3];
+  for (std::size_t k = 0; k < 3; ++k) corner[k] = Direction(p.positions[m.corners[k]]);
+  const Direction plane = glm::cross(corner[1] - corner[0], corner[2] - corner[0]);
+  s.ray = spread.moved(ray, distance, plane);
+  for (std::size_t k = 0; k < 2; ++k) {
+    Direction normal(0);
+    Vec2<double> place(0);
+    for (int c = 0; c < 3; ++c) {
+      // Along the height over the opposite side a corner's weight rises from 0 to 1.
+      const Direction rise = glm::cross(plane, corner[(c + 2) % 3] - corner[(c + 1) % 3]) / glm::dot(plane, plane);
+      const double part = glm::dot(rise, s.ray.origin[k]);
+      normal += part * (p.normals * Direction(p.mesh->normals[m.corners[c]]));
+      place += part * Vec2<double>(p.mesh->coordinates[m.corners[c]]);
+    }
+    s.normals[k] = (m.back ? -1.0 : 1.0) * normalised_derivative(front, normal);
+    (k == 0 ? s.texture.across : s.texture.down) = place;
+  }
+  return s;
+}
+
 // What a map makes of the normal of the front (glTF 2.0, 3.9.3).
 Direction mapped_normal(const InstanceTransform& p, const RayQuery& m, int texture, double scale,
-                        const Direction& normal) {
+                        const Direction& normal, const TextureFootprint& at) {
   if (texture < 0) return normal;
   const glm::vec4 interpolated = m.of(p.mesh->tangents);
   const Direction along = unit(p.tangents * Direction(interpolated));
   const Direction across = glm::cross(normal, along) * (interpolated.w < 0 ? -p.handed : p.handed);
-  const Direction texel = 2.0 * Direction(sample(p, texture, m.of(p.mesh->coordinates))) - 1.0;
+  const Direction texel = 2.0 * Direction(sample(p, texture, at)) - 1.0;
   return unit(scale * texel.x * along + scale * texel.y * across + texel.z * normal, normal);
 }
 
 // @param place from the tree's centre.
 ShadingPoint surface_at(const InstanceTransform& p, const RayQuery& m, const Direction& centre, const Direction& place,
-                        const Direction& ray) {
+                        const Direction& ray, const TextureFootprint& at) {
   const Direction position = centre + place;
   const Material& material = *p.material;
-  const glm::vec2 at = m.of(p.mesh->coordinates);
   const glm::vec4 rough = sample(p, material.metallic_roughness_texture, at);
   const Flux emissive = Flux(material.emissive) * Flux(Colour(sample(p, material.emissive_texture, at)));
   const double side = m.back ? -1 : 1;
   const Direction front = unit(p.normals * Direction(m.of(p.mesh->normals)), -side * ray);
-  const glm::vec4 colour = base_colour(p, m);
+  const glm::vec4 colour = base_colour(p, m, sample(p, material.base_colour_texture, at));
   const float open = sample(p, material.occlusion_texture, at).x;
   return {.position = position,
-          .normal = side * mapped_normal(p, m, material.normal_texture, material.normal_scale, front),
+          .normal = side * mapped_normal(p, m, material.normal_texture, material.normal_scale, front, at),
           .smooth_normal = side * front,
           .base_colour = colour,
           .metallic = material.metallic * rough.z,
@@ -171,9 +211,12 @@ ShadingPoint surface_at(const InstanceTransform& p, const RayQuery& m, const Dir
           .ior = material.ior,
           .opacity = material.blended ? std::clamp(colour.w, 0.0F, 1.0F) : 1,
           .solid = material.solid,
+          .absorption = material.absorption,
+          .thickness = material.thickness * float(p.scale),
           .coat = material.coat * sample(p, material.coat_texture, at).x,
           .coat_roughness = material.coat_roughness * sample(p, material.coat_roughness_texture, at).y,
-          .coat_normal = side * mapped_normal(p, m, material.coat_normal_texture, material.coat_normal_scale, front),
+          .coat_normal =
+              side * mapped_normal(p, m, material.coat_normal_texture, material.coat_normal_scale, front, at),
           .sheen = material.sheen * Colour(sample(p, material.sheen_texture, at)),
           .sheen_roughness = material.sheen_roughness * sample(p, material.sheen_roughness_texture, at).w,
           .reached = 1 + material.occlusion_strength * (open - 1),
@@ -183,7 +226,10 @@ ShadingPoint surface_at(const InstanceTransform& p, const RayQuery& m, const Dir
 }  // namespace
 
 struct EmbreeScene::World {
+  explicit World(const SceneGraph& scene, TextureFilter filter) : textures(scene, filter) {}
+
   Direction centre{0};
+  TextureSampler textures;
   Device device{nullptr, &rtcReleaseDevice};
   Tree tree{nullptr, &rtcReleaseScene};
   std::vector<InstanceTransform> placed;  // By number of instance.
@@ -205,8 +251,8 @@ struct EmbreeScene::World {
   }
 };
 
-EmbreeScene::EmbreeScene(const FrameState& shot, const Direction& centre, int without)
-    : world_(std::make_unique<World>()) {
+EmbreeScene::EmbreeScene(const FrameState& shot, const Direction& centre, int without, TextureFilter filter)
+    : world_(std::make_unique<World>(shot.scene, filter)) {
   World& w = *world_;
   w.centre = centre;
   w.device.reset(rtcNewDevice(nullptr));
@@ -217,6 +263,7 @@ EmbreeScene::EmbreeScene(const FrameState& shot, const Direction& centre, int wi
   w.placed.resize(all.size());
   for (std::size_t k = 0; k < all.size(); ++k) {
     w.placed[k] = place(shot, centre, all[k]);
+    w.placed[k].textures = &w.textures;
     w.placed[k].seen = without < 0 || !lies_under(shot.scene, all[k].node, without);
     w.add(unsigned(k));
   }
@@ -230,7 +277,7 @@ EmbreeScene::~EmbreeScene() = default;
 double EmbreeScene::clearance(const Direction& place) { return glm::length(place) / 32768; }
 
 std::optional<SurfaceHit> EmbreeScene::find(const Direction& origin, const Direction& ray, double near, double far,
-                                            Medium medium) const {
+                                            Medium medium, const RayDifferential& spread) const {
   Query query{};
   embree::prepare(query);
   query.origin = origin;
@@ -254,11 +301,15 @@ std::optional<SurfaceHit> EmbreeScene::find(const Direction& origin, const Direc
   const RayQuery m = meet(p, hit.hit.primID, origin, ray);
   // A ray along the triangle's plane meets it where Embree says.
   const double distance = m.distance > 0 && std::isfinite(m.distance) ? m.distance : double(hit.ray.tfar);
-  return SurfaceHit{.surface = surface_at(p, m, world_->centre, origin + distance * ray, ray),
+  const Direction front = p.normals * Direction(m.of(p.mesh->normals));
+  const TriangleSpread there = spread_over(p, m, ray, distance, front, spread);
+  return SurfaceHit{.surface = surface_at(p, m, world_->centre, origin + distance * ray, ray, there.texture),
                     .distance = distance,
                     .instance = int(hit.hit.geomID),
                     .blended = p.material->blended,
-                    .back = m.back};
+                    .back = m.back,
+                    .spread = there.ray,
+                    .normals = there.normals};
 }
 
 bool EmbreeScene::blocked(const Direction& place, const Direction& normal, const Direction& towards, double distance,

@@ -17,9 +17,10 @@ struct Seen {
 };
 
 /// Through what is blended to the first that is not: the surface, and its distance.
-/// @param origin from the tree's centre. @param ray unit, world. @param behind what lies behind all surfaces; null: the
+/// @param origin from the tree's centre. @param ray unit, world. @param spread what textures
+/// are filtered over. @param behind what lies behind all surfaces; null: the
 /// environment in that direction.
 Seen look(const EmbreeScene& tree, const WhittedIntegrator& tracer, const Lighting& lighting, const Viewpoint& from,
-          const Direction& origin, const Direction& ray, const Colour* behind = nullptr);
+          const Direction& origin, const Direction& ray, const RayDifferential& spread, const Colour* behind = nullptr);
 
 }  // namespace envmap

@@ -4,6 +4,7 @@
 
 #include "envmap/base/run.h"
 #include "envmap/scenes/render/draw.h"
+#include "envmap/scenes/render/texture_filter.h"
 
 namespace envmap {
 
@@ -15,6 +16,7 @@ struct RayPaths {
   /// Samples of each integral of an environment's light over a surface's lobes (lobe_integral.h); 0: prefiltered
   /// levels, as the card has them.
   int lobe_samples = 0;
+  TextureFilter texture_filter = TextureFilter::bilinear;  ///< Over what a ray's part of the pixel covers.
 };
 
 /// Each texel shows what its own ray meets first between the spheres `near` and `far`, lit by shade(), and from mirrors

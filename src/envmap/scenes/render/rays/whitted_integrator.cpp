@@ -37,19 +37,19 @@ WhittedIntegrator::WhittedIntegrator(const EmbreeScene& tree, const Lighting& li
   }
 }
 
-Flux WhittedIntegrator::from_eye(const Direction& origin, const Direction& ray) const {
-  const Ray first{origin, ray, bounces_, 1, true};
-  const auto hit = tree_.find(origin, ray, from_.near, from_.far);
+Flux WhittedIntegrator::from_eye(const Direction& origin, const Direction& ray, const RayDifferential& spread) const {
+  const Ray first{origin, ray, bounces_, 1, spread, true};
+  const auto hit = tree_.find(origin, ray, from_.near, from_.far, Medium::air, spread);
   return hit ? leaving(*hit, first) : missing(first);
 }
 
 Flux WhittedIntegrator::from_surface(const SurfaceHit& hit, const Direction& ray) const {
-  return scattered(hit, {Direction(0), ray, bounces_, 1, true});
+  return scattered(hit, {Direction(0), ray, bounces_, 1, hit.spread, true});
 }
 
 // Returns the radiance that arrives along a ray starting on a surface.
 Flux WhittedIntegrator::along(const Ray& ray) const {
-  const auto hit = tree_.find(ray.origin, ray.along, EmbreeScene::clearance(ray.origin), far_);
+  const auto hit = tree_.find(ray.origin, ray.along, EmbreeScene::clearance(ray.origin), far_, Medium::air, ray.spread);
   return hit ? leaving(*hit, ray) : missing(ray);
 }
 
@@ -60,7 +60,11 @@ Flux WhittedIntegrator::missing(const Ray& ray) const {
 
 Flux WhittedIntegrator::leaving(const SurfaceHit& hit, const Ray& ray) const {
   const double covered = hit.surface.opacity;
-  const Ray onwards{ray.origin + hit.distance * ray.along, ray.along, ray.bounces, ray.weight * (1 - covered),
+  const Ray onwards{ray.origin + hit.distance * ray.along,
+                    ray.along,
+                    ray.bounces,
+                    ray.weight * (1 - covered),
+                    hit.spread,
                     ray.of_eye};
   Flux sum = covered > 0 ? covered * scattered(hit, ray) : Flux(0);
   if (covered < 1) sum += (1 - covered) * along(onwards);
@@ -73,35 +77,59 @@ Flux WhittedIntegrator::scattered(const SurfaceHit& hit, const Ray& ray) const {
   const Direction place = ray.origin + hit.distance * ray.along;
   // What mirrors and lenses show is followed; the environment's light that others send on comes from its levels or
   // lobes.
-  const auto beyond = [&](const Flux& part, const Direction& where, bool followed, bool inside, auto&& of_environment) {
+  const auto beyond = [&](const Flux& part, const Direction& where, const RayDifferential& spread, bool followed,
+                          bool inside, auto&& of_environment) {
     if (part == Flux(0)) return Flux(0);
-    const Ray next{place, where, ray.bounces - 1, ray.weight * largest(part)};
+    const Ray next{place, where, ray.bounces - 1, ray.weight * largest(part), spread};
     if (!followed || ray.bounces == 0 || next.weight < negligible) return of_environment();
-    return part * (inside ? through(next, s.ior, 0) : along(next));
+    return part * (inside ? through(next, {s.ior, Flux(s.absorption)}, 0) : along(next));
   };
   const TracedPath& followed = followed_[hit.instance];
   const Direction v = -ray.along;
+  const auto mirrored = [&](const Direction& n) { return after_reflection(hit.spread, ray.along, n, hit.normals); };
+  const RayDifferential refracted =
+      s.solid ? after_refraction(hit.spread, ray.along, s.normal, hit.normals, 1.0 / std::max(1.0F, s.ior))
+              : hit.spread;
   return out.radiance +
-         beyond(out.reflected, out.mirrored, followed.base, false, [&] { return reflected_light(s, v, light_, out); }) +
-         beyond(out.transmitted, out.refracted, followed.base, s.solid,
-                [&] { return out.transmitted * glossy_radiance(light_, out.refracted, s.roughness); }) +
-         beyond(out.coat, out.coat_mirrored, followed.coat, false, [&] { return coat_light(s, v, light_, out); });
+         beyond(out.reflected, out.mirrored, mirrored(s.normal), followed.base, false,
+                [&] { return reflected_light(s, v, light_, out); }) +
+         beyond(out.transmitted, out.refracted, refracted, followed.base, s.solid,
+                [&] {
+                  return out.transmitted * transmittance(Flux(s.absorption), s.thickness) *
+                         glossy_radiance(light_, out.refracted, s.roughness);
+                }) +
+         beyond(out.coat, out.coat_mirrored, mirrored(s.coat_normal), followed.coat, false,
+                [&] { return coat_light(s, v, light_, out); });
 }
 
 // Returns the radiance along a ray inside a solid. The glass tint was applied where the ray entered.
-Flux WhittedIntegrator::through(const Ray& ray, double ior, int reflections) const {
-  const auto hit = tree_.find(ray.origin, ray.along, EmbreeScene::clearance(ray.origin), far_, Medium::solid);
-  if (!hit) return glossy_radiance(light_, ray.along, 0);
-  if (!hit->back) return leaving(*hit, ray);  // Something in the glass.
-  const Direction& n = hit->surface.normal;
-  const Direction place = ray.origin + hit->distance * ray.along, out = glm::refract(ray.along, n, ior);
-  const double reflected = out == Direction(0) ? 1 : reflectance(ior, -glm::dot(out, n));
+Flux WhittedIntegrator::through(const Ray& ray, const Solid& solid, int reflections) const {
+  const auto hit =
+      tree_.find(ray.origin, ray.along, EmbreeScene::clearance(ray.origin), far_, Medium::solid, ray.spread);
+  const Flux left = transmittance(solid.absorption, hit ? hit->distance : far_);
+  if (!hit) return left * glossy_radiance(light_, ray.along, 0);
+  Ray there = ray;
+  there.weight *= largest(left);
+  // What does not face away is something in the glass.
+  return left * (hit->back ? leaving_solid(*hit, there, solid, reflections) : leaving(*hit, there));
+}
+
+// Returns the radiance along a ray that meets a solid's surface from inside.
+Flux WhittedIntegrator::leaving_solid(const SurfaceHit& hit, const Ray& ray, const Solid& solid,
+                                      int reflections) const {
+  const Direction& n = hit.surface.normal;
+  const Direction place = ray.origin + hit.distance * ray.along, out = glm::refract(ray.along, n, solid.ior);
+  const double reflected = out == Direction(0) ? 1 : reflectance(solid.ior, -glm::dot(out, n));
   Flux sum(0);
-  if (reflected < 1) sum += (1 - reflected) * along({place, out, ray.bounces, ray.weight * (1 - reflected)});
+  if (reflected < 1) {
+    const RayDifferential spread = after_refraction(hit.spread, ray.along, n, hit.normals, solid.ior);
+    sum += (1 - reflected) * along({place, out, ray.bounces, ray.weight * (1 - reflected), spread});
+  }
   if (reflected > 0) {
-    const Ray back{place, glm::reflect(ray.along, n), ray.bounces, ray.weight * reflected};
+    const Ray back{place, glm::reflect(ray.along, n), ray.bounces, ray.weight * reflected,
+                   after_reflection(hit.spread, ray.along, n, hit.normals)};
     const bool end = reflections == max_inside || back.weight < negligible;
-    sum += reflected * (end ? glossy_radiance(light_, back.along, 0) : through(back, ior, reflections + 1));
+    sum += reflected * (end ? glossy_radiance(light_, back.along, 0) : through(back, solid, reflections + 1));
   }
   return sum;
 }

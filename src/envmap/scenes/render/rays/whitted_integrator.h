@@ -21,8 +21,9 @@ class WhittedIntegrator {
   WhittedIntegrator(const EmbreeScene& tree, const Lighting& light, const FrameState& shot, const Viewpoint& from,
                     const RayPaths& paths);
 
-  /// What arrives along a ray of the picture. @param origin from the viewpoint. @param ray unit, world.
-  [[nodiscard]] Flux from_eye(const Direction& origin, const Direction& ray) const;
+  /// What arrives along a ray of the picture. @param origin from the viewpoint. @param ray unit, world. @param spread
+  /// what textures are filtered over.
+  [[nodiscard]] Flux from_eye(const Direction& origin, const Direction& ray, const RayDifferential& spread) const;
 
   /// What the surface that it met sends back along it.
   [[nodiscard]] Flux from_surface(const SurfaceHit& hit, const Direction& ray) const;
@@ -33,13 +34,20 @@ class WhittedIntegrator {
     Direction origin, along;  // The origin from the viewpoint.
     int bounces;              // That may follow.
     double weight;            // What it counts for in the pixel.
+    RayDifferential spread;
     bool of_eye = false;      // Nothing turned it yet: behind all surfaces it sees the background.
   };
   [[nodiscard]] Flux along(const Ray& ray) const;
   [[nodiscard]] Flux missing(const Ray& ray) const;
   [[nodiscard]] Flux leaving(const SurfaceHit& hit, const Ray& ray) const;
   [[nodiscard]] Flux scattered(const SurfaceHit& hit, const Ray& ray) const;
-  [[nodiscard]] Flux through(const Ray& ray, double ior, int reflections) const;
+  // What a solid does to light: its refractive index, and Material::absorption.
+  struct Solid {
+    double ior;
+    Flux absorption;
+  };
+  [[nodiscard]] Flux through(const Ray& ray, const Solid& solid, int reflections) const;
+  [[nodiscard]] Flux leaving_solid(const SurfaceHit& hit, const Ray& ray, const Solid& solid, int reflections) const;
 
   const EmbreeScene& tree_;
   const Lighting& light_;

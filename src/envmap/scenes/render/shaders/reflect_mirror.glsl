@@ -6,6 +6,7 @@ uniform vec3 behind;        // Light of infinity beside the environment's.
 uniform int images;        // 1: a flat mirror, seen by another mirror's map (MirrorLook::images).
 
 float beyond = 0;  // How far behind the surface the image of what it reflects is.
+float way = 1e30;  // From the surface to what a lens shows, where the map tells.
 
 #if BY_VERTEX
 vec3 place_by_vertex;  // Where the surface was interpolated to look.
@@ -31,7 +32,9 @@ vec3 reflected(vec3 from, vec3 normal, float bend) {
   vec3 d[3], next[2];
   vec3 p = from_map(here.position), r = to_mirror * from;
   float far_off = max(length(p), 1e-20), part = BY_DISTANCE != 0 ? met(p, far_off * r) : 1;
-  if (images != 0 && bend == 0) beyond = far_off * part / max(1 - part, 1e-9);
+  float met_at = far_off * part / max(1 - part, 1e-9);
+  if (images != 0 && bend == 0) beyond = met_at;
+  if (BY_DISTANCE != 0 && bend != 0) way = met_at;
   d[0] = normalize(mix(p, far_off * r, part));
   for (int k = 0; k < 2; ++k) {
     next[k] = turned(beside[k].ray, normalize(normal + beside[k].normal), bend);

@@ -1,5 +1,5 @@
 // What a flat mirror reflects of a picture: what the mirrored eye sees there, right and left exchanged.
-const float beyond = 0;  // Of reflect_mirror.glsl.
+const float beyond = 0, way = 1e30;  // Of reflect_mirror.glsl.
 layout(binding = UNIT_MIRROR) uniform sampler2DArray mirrored;
 
 vec3 reflected(vec3 from, vec3 normal, float bend) {

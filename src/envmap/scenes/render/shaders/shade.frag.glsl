@@ -105,6 +105,10 @@ void main() {
   surface.ior = rest.w;
   vec3 more = texelFetch(materials, material + 3).xyz;
   surface.bend = more.x;
+  vec4 row0 = texelFetch(instances, 6 * number), row1 = texelFetch(instances, 6 * number + 1),
+       row2 = texelFetch(instances, 6 * number + 2);
+  float scale = pow(abs(determinant(mat3(row0.xyz, row1.xyz, row2.xyz))), 1.0 / 3);
+  surface.volume = texelFetch(materials, material + 6) * vec4(1, 1, 1, scale);
   surface.reached = 1;
   surface.shadow_origin = surface.position + lift(t, far_off * ray, weights, side * mat3(x.xyz, y.xyz, z.xyz));
 #if TEXTURES != 0

@@ -20,6 +20,7 @@ struct ShadingPoint {
   vec3 emissive;
   float transmission, ior;
   float bend;    // Of what is let through: 1 / ior of solids, 1 of thin walls.
+  vec4 volume;   // Of solids: what they absorb a metre, and how thick they are in the world.
   float reached; // Part of the light from all round that does: by the occlusion map.
   vec3 shadow_origin;   // Where shadows are found.
 #if SHEEN
@@ -170,8 +171,10 @@ vec3 shade(ShadingPoint s, vec3 v) {
              mix(later(b.plain, b.edge, table), later(b.colour, 1, table), s.metallic) * even +
              s.reached * mix(once(b.plain, b.edge, table), once(b.colour, 1, table), s.metallic) *
                  reflected_radiance(v, n, blur * s.roughness, mix(b.plain, b.colour, s.metallic), mix(b.edge, 1.0, s.metallic));
-  if (s.transmission > 0)
-    sum += rest * b.dielectric * s.transmission * glossy_radiance(v, n, s.bend, blur * s.roughness);
+  if (s.transmission > 0) {
+    vec3 through = glossy_radiance(v, n, s.bend, blur * s.roughness);  // Which finds `way`.
+    sum += rest * b.dielectric * s.transmission * exp(-s.volume.rgb * min(s.volume.a, way)) * through;
+  }
 #if SHEEN
   Sheen f = sheen_of(s, v);
   sum = (1 - f.most * f.albedo) * sum + f.albedo * s.sheen * even;

@@ -3,7 +3,7 @@
 layout(binding = UNIT_CORNERS) uniform samplerBuffer corners;    // Position and u, normal and v, colour; three corners a triangle.
 layout(binding = UNIT_TANGENTS) uniform samplerBuffer tangents;    // Of the corners of scenes with normal maps; w: see scene.h.
 layout(binding = UNIT_INSTANCES) uniform samplerBuffer instances;  // Three rows to the frame of the map, three to the world's normals.
-layout(binding = UNIT_MATERIALS) uniform samplerBuffer materials;  // Base colour; emissive and alpha_cutoff; metallic, roughness, transmission, ior; bend, scale of normals, strength of occlusion.
+layout(binding = UNIT_MATERIALS) uniform samplerBuffer materials;  // Base colour; emissive and alpha_cutoff; metallic, roughness, transmission, ior; bend, scale of normals, strength of occlusion; sheen; coat; absorption and thickness.
 layout(binding = UNIT_BASE_COLOUR) uniform sampler2D base_colours;
 layout(binding = UNIT_METALLIC_ROUGHNESS) uniform sampler2D metallic_roughnesses;
 layout(binding = UNIT_EMISSIVE) uniform sampler2D emissives;

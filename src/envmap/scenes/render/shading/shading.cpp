@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "envmap/maths/portable.h"
 #include "envmap/prefilter/brdf_table.h"
 #include "envmap/prefilter/harmonic_norms.h"
 #include "envmap/prefilter/harmonics.h"
@@ -323,10 +324,19 @@ Flux coat_light(const ShadingPoint& s, const Direction& v, const Lighting& l, co
   return out.coat * Flux(l.ambient) + part * l.integral->ggx(s.coat_normal, v, alpha_of(s.coat_roughness), Flux(1), 1);
 }
 
+Flux transmittance(const Flux& absorption, double way) {
+  Flux part(1);
+  for (int k = 0; k < 3; ++k)
+    if (absorption[k] > 0) part[k] = portable::exp(-absorption[k] * way);
+  return part;
+}
+
 Colour shade(const ShadingPoint& s, const Direction& v, const Lighting& l) {
   const ShadingResult out = scatter(s, v, l);
   Flux sum = out.radiance + reflected_light(s, v, l, out);
-  if (s.transmission > 0) sum += out.transmitted * glossy_radiance(l, out.refracted, s.roughness);
+  if (s.transmission > 0)
+    sum += out.transmitted * transmittance(Flux(s.absorption), s.thickness) *
+           glossy_radiance(l, out.refracted, s.roughness);
   if (s.coat > 0) sum += coat_light(s, v, l, out);
   return Colour(sum);
 }

@@ -36,6 +36,8 @@ struct ShadingPoint {
   float transmission = 0, ior = 1.5F;
   float opacity = 1;                   ///< The part of what is behind that it covers: alpha of blended materials.
   bool solid = false;                  ///< Material::solid.
+  Colour absorption{0};                ///< Material::absorption.
+  float thickness = 0;                 ///< Material::thickness in the world.
   float coat = 0, coat_roughness = 0;  ///< Material::coat, with its own normal.
   Direction coat_normal{0, 0, 1};
   Colour sheen{0};  ///< Material::sheen.
@@ -145,6 +147,9 @@ struct ShadingResult {
 
 /// @param towards_viewer unit vector.
 ShadingResult scatter(const ShadingPoint& surface, const Direction& towards_viewer, const Lighting& lighting);
+
+/// The part of light that a way through a solid leaves. @param absorption Material::absorption. @param way metres.
+Flux transmittance(const Flux& absorption, double way);
 
 /// Radiance of the environment and of ambient light from a world direction, blurred by roughness.
 Flux glossy_radiance(const Lighting& lighting, const Direction& from, double roughness);
