@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <random>
 
 #include "envmap/operate/convert.h"
@@ -45,7 +46,9 @@ class EachFilter : public testing::TestWithParam<std::tuple<Filter, Projection>>
 INSTANTIATE_TEST_SUITE_P(, EachFilter,
                          testing::Combine(testing::ValuesIn(every_filter()), testing::ValuesIn(all_projections)),
                          [](const auto& p) {
-                           return std::string(name(std::get<0>(p.param))) + "_from_" + identifier(std::get<1>(p.param));
+                           std::string filter(name(std::get<0>(p.param)));
+                           std::ranges::replace(filter, '-', '_');
+                           return filter + "_from_" + identifier(std::get<1>(p.param));
                          });
 
 TEST_P(EachFilter, ConstantStaysConstantAtAnySize) {

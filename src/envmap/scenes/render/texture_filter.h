@@ -16,8 +16,7 @@ namespace envmap {
 /// GL_LINEAR_MIPMAP_LINEAR. ewa: the mean over the footprint, of trilinear lookups in levels that suit its shorter
 /// side.
 enum class TextureFilter { nearest, bilinear, nearest_level, trilinear, ewa };
-inline constexpr std::string_view texture_filter_names[] = {"nearest", "bilinear", "nearest-level", "trilinear",
-                                                            "ewa"};
+inline constexpr std::string_view texture_filter_names[] = {"nearest", "bilinear", "nearest-level", "trilinear", "ewa"};
 template <>
 inline constexpr std::size_t enumerators<TextureFilter> = std::size(texture_filter_names);
 
