@@ -20,6 +20,7 @@
 #include "envmap/io/texels/pixel_buffer.h"
 #include "envmap/io/write.h"
 #include "envmap/light/distant_lights.h"
+#include "envmap/light/light_error.h"
 #include "envmap/light/lights.h"
 #include "envmap/light/restore_sun.h"
 #include "envmap/map/environment_map.h"

@@ -140,6 +140,11 @@ class Finder {
     constexpr double good = 0.1;
     std::vector<Disc> first{{place.middle, place.radius, 0}};
     DiscFit best = fit_discs(patch, first);
+    // A disc of less than a texel, from the middle of its brightest texel alone, may get stuck beside the others.
+    if (best.misfit > good) {
+      const Disc centred{middle_of_light(patch), 0.5 * place.radius, 0};
+      if (DiscFit other = fit_discs(patch, std::span(&centred, 1)); other.misfit < best.misfit) best = std::move(other);
+    }
     while (best.misfit > good && best.discs.size() < 3) {
       first = best.discs;
       first.push_back(where_most_is_left(patch, best));
@@ -149,6 +154,13 @@ class Finder {
       best = std::move(more);
     }
     return best;
+  }
+
+  static Direction middle_of_light(const Patch& patch) {
+    Direction sum(0);
+    for (std::size_t t = 0; t < patch.size(); ++t)
+      sum += patch.weight()[t] * std::max(0.0, patch.luminance()[t]) * patch.centre()[t];
+    return unit(sum, patch.middle());
   }
 
   static Disc where_most_is_left(const Patch& patch, const DiscFit& fit) {
