@@ -70,7 +70,7 @@ class Finder {
   FoundLights run(const Progress& progress) {
     const double largest = solid_angle_of_disc(options_.max_radius_degrees * degree);
     // A source that is no larger and has its share is so bright in the mean.
-    const std::vector<BrightRegion> regions =
+    std::vector<BrightRegion> regions =
         bright_regions(geometry_, options_.min_share * luminous_flux_ / largest, largest);
     // The strongest texels of a source are a quarter of it, or more: what has less is no source.
     const auto end = std::ranges::find_if(regions, [&](const BrightRegion& r) {
@@ -78,6 +78,10 @@ class Finder {
     });
     const std::size_t most_tried = std::size_t(8 * options_.most);
     const std::size_t count = std::min(most_tried, std::size_t(end - regions.begin()));
+    // Of the strongest the brightest first: a sun beside a larger lamp is taken out before the lamp's surroundings are
+    // looked at.
+    std::ranges::stable_sort(regions.begin(), regions.begin() + std::min<std::ptrdiff_t>(count, options_.most),
+                             std::ranges::greater(), &BrightRegion::peak);
     for (std::size_t k = 0; k < count && int(found_.lights.size()) < options_.most; ++k) {
       look_at(regions[k]);
       if (progress) progress(double(k) / double(count));
@@ -104,7 +108,8 @@ class Finder {
         place = {first.towards, first.radius};
         continue;
       }
-      if (is_light(fit, place, region)) take(*patch, fit, place);
+      const bool has_room = int(found_.lights.size() + fit.discs.size()) <= options_.most;
+      if (has_room && is_light(fit, place, region)) take(*patch, fit, place);
       return;
     }
   }
