@@ -30,6 +30,7 @@
 
 // Light: lamps and suns, sampling, irradiance, spherical harmonics.
 #include "envmap/light/distant_lights.h"         // distant_lights(): median cut
+#include "envmap/light/light_error.h"            // light_error(): of a light without a size
 #include "envmap/light/lights.h"                 // find_lights(), take_out()
 #include "envmap/light/restore_sun.h"            // restore_sun(), clipped_sun()
 #include "envmap/operate/grade.h"                // irradiance(), radiance_within(), white_balance()

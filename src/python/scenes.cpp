@@ -33,9 +33,10 @@ KeptScene read_scene_bytes(const py::buffer& file, const std::string& folder, bo
   return run_operation([=] { return kept(Scene::read(*copy, {.allow_missing = allow_missing, .folder = folder})); });
 }
 
-KeptLight light_of(const Map& map, const py::object& progress) {
-  return run_operation(progress,
-                       [=](const Run& run) { return std::make_shared<const Light>(Light(map->clone(), run)); });
+KeptLight light_of(const Map& map, bool suns, const py::object& progress) {
+  return run_operation(progress, [=](const Run& run) {
+    return std::make_shared<const Light>(suns ? Light::with_suns(map->clone(), {}, run) : Light(map->clone(), run));
+  });
 }
 
 py::tuple corners(const SceneBox& box) { return py::make_tuple(tuple(Flux(box.low)), tuple(Flux(box.high))); }

@@ -1,5 +1,6 @@
 // envmap view as its users run it.
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "on_processor.h"
 #include "picture.h"
@@ -450,6 +451,41 @@ TEST_F(View, WhatMakesNoSense) {
                   .err.find("scene.gltf: has no mirrors"),
               std::string::npos);
   fails(4, {"view", "scene.gltf", "nowhere/a.png", "--width", "8", "--height", "8"}, {"nowhere"});
+}
+
+// A floor under a sun: the light of the map by --suns, and that of the file of `lights --gltf` under the remainder.
+TEST_F(View, SunsLightAsTheirTexelsDidAndAsTheGltfFileHasThem) {
+  succeeds({"generate", "sun", "sun.exr", "--to", "latlong", "--size", "256", "--radius", "1", "--value", "10000",
+            "--direction", "0.2,1,0.1", "--depth", "float", "-q"});
+  succeeds({"lights", "sun.exr", "--gltf", "suns.gltf", "--remainder", "rest.exr", "-q"});
+  auto floor = nlohmann::json::parse(read("scene.gltf")), lit = floor;
+  floor["nodes"] = {{{"mesh", 0}, {"rotation", {-std::sqrt(0.5), 0, 0, std::sqrt(0.5)}}, {"scale", {9, 9, 9}}}};
+  floor["scenes"] = {{{"nodes", {0}}}};
+  floor["materials"][0] = {{"pbrMetallicRoughness", {{"metallicFactor", 0}, {"roughnessFactor", 1}}}};
+  floor.erase("cameras");
+  write("floor.gltf", floor.dump());
+  const auto suns = nlohmann::json::parse(read("suns.gltf"));
+  lit = floor;
+  for (const char* key : {"extensions", "extensionsUsed"}) lit[key] = suns[key];
+  lit["nodes"].push_back(suns["nodes"][0]);
+  lit["scenes"][0]["nodes"].push_back(1);
+  write("lit.gltf", lit.dump());
+  const auto brightness = [&](const std::string& scene, const std::string& more) {
+    const Result r =
+        envmap(split("view " + scene + " a.exr --camera 0,2,0.1 --look-at 0,0,0 --width 9 --height 9 " + more));
+    EXPECT_EQ(r.status, 0) << r.err;
+    return load(path("a.exr")).at(4, 4)[1];
+  };
+  const double texels = brightness("floor.gltf", "--environment sun.exr --method raycast --lobe-samples 4096");
+  EXPECT_NEAR(brightness("floor.gltf", "--environment sun.exr --suns --method raycast") / texels, 1, 0.02);
+  EXPECT_NEAR(brightness("lit.gltf", "--environment rest.exr --method raycast") / texels, 1, 0.02);
+  EXPECT_NEAR(brightness("floor.gltf", "--environment sun.exr --suns") / texels, 1, 0.02);
+  EXPECT_NEAR(brightness("lit.gltf", "--environment rest.exr") / texels, 1, 0.02);
+  fails(2, {"view", "floor.gltf", "a.exr", "--suns"}, {"--environment"});
+  succeeds({"generate", "sky", "sky.exr", "--to", "latlong", "--size", "64", "-q"});
+  const Result none = envmap({"view", "floor.gltf", "a.exr", "--environment", "sky.exr", "--suns", "--width", "8"});
+  EXPECT_EQ(none.status, 0);
+  EXPECT_NE(none.err.find("no light for --suns"), std::string::npos);
 }
 
 }  // namespace

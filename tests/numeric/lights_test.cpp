@@ -10,69 +10,19 @@
 #include <vector>
 
 #include "envmap/base/error.h"
+#include "envmap/light/light_error.h"
 #include "envmap/operate/generate.h"
 #include "envmap/operate/measure.h"
 #include "envmap/prefilter/prefilter.h"
 #include "numeric/landscape.h"
+#include "numeric/painted_discs.h"
 
 namespace envmap::lights_test {
 namespace {
 
-constexpr double degree = pi / 180;
-
-double cap(double radius_degrees) { return 2 * pi * (1 - std::cos(radius_degrees * degree)); }
-
-// Adds to each texel the mean of a shape's radiance over it, of samples x samples points. @param is_inside of a
-// direction. @param reach in degrees from `towards` beyond which nothing is.
-template <class Inside>
-void paint(EnvironmentMap& map, const Direction& towards, double reach, const Flux& radiance, const Inside& is_inside,
-           int samples = 48) {
-  Level& level = map.base();
-  const Direction axis = glm::normalize(towards) * image_to_world(map.forward);
-  std::vector<Direction> row(std::size_t(level.width()));
-  for (const Texel& t : texels_of(level)) {
-    if (t.i == columns(level.projection(), level.height(), t.j).first)
-      texel_directions(level.projection(), level.height(), t.face, t.j, 0, row);
-    if (glm::distance(row[std::size_t(t.i)], axis) > reach * degree + 0.3) continue;  // Most are far away.
-    const double w = level.width(), h = level.height();
-    std::vector<Point2> corners{{t.i / w, t.j / h},
-                                {(t.i + 1) / w, t.j / h},
-                                {t.i / w, (t.j + 1) / h},
-                                {(t.i + 1) / w, (t.j + 1) / h},
-                                {(t.i + 0.5) / w, (t.j + 0.5) / h}};
-    std::vector<Direction> d(corners.size());
-    directions(level.projection(), t.face, corners, d);
-    double size = 0, nearest = 4;
-    for (const Direction& c : d)
-      size = std::max(size, glm::distance(c, d.back())), nearest = std::min(nearest, glm::distance(c, axis));
-    if (nearest > reach * degree + 2 * size) continue;
-    std::vector<Point2> points;
-    for (int j = 0; j < samples; ++j)
-      for (int i = 0; i < samples; ++i)
-        points.push_back({(t.i + (i + 0.5) / samples) / w, (t.j + (j + 0.5) / samples) / h});
-    std::vector<Direction> at(points.size());
-    std::vector<double> density(points.size());
-    directions(level.projection(), t.face, points, at);
-    densities(level.projection(), points, density);
-    double inside = 0, all = 0;
-    for (std::size_t k = 0; k < points.size(); ++k) {
-      all += density[k];
-      if (is_inside(at[k])) inside += density[k];
-    }
-    if (inside > 0) *level.texel(t.face, t.i, t.j) += Colour(radiance * (inside / all));
-  }
-}
-
-void paint_disc(EnvironmentMap& map, const Direction& towards, double radius, const Flux& radiance) {
-  const Direction axis = glm::normalize(towards) * image_to_world(map.forward);
-  paint(map, towards, radius, radiance,
-        [&](const Direction& d) { return glm::distance(d, axis) < 2 * std::sin(0.5 * radius * degree); });
-}
+using namespace numeric_tests;
 
 EnvironmentMap even(Projection p, int size, double radiance = 1) { return generate(Constant{Flux(radiance)}, p, size); }
-
-// What painting added: samples are even, but a rim along a row of them is off by half a sample.
-Flux added(const EnvironmentMap& map, const EnvironmentMap& before) { return flux(map.base()) - flux(before.base()); }
 
 double off_by(const DiscLight& light, const Direction& towards) {
   return angle_between(light.towards, towards) / degree;
@@ -207,6 +157,23 @@ TEST(Lights, TwoSunsThatTouchAreTwo) {
   }
 }
 
+// A disc of more light than the sun, so near that the sun lies in what surrounds it.
+TEST(Lights, ASunBesideALargerLampIsWhole) {
+  const EnvironmentMap dark = even(Projection::latlong, 512, 0.01);
+  const Direction towards(0.3, 0.5, 0.7);
+  const Direction beside = glm::normalize(glm::cross(towards, Direction(0.2, 1, 0.1)));
+  EnvironmentMap lamp = dark.clone();
+  paint_disc(lamp, std::cos(7 * degree) * glm::normalize(towards) + std::sin(7 * degree) * beside, 2.6, Flux(100));
+  EnvironmentMap map = lamp.clone();
+  paint_disc(map, towards, sun_radius_degrees, Flux(8000));
+  const FoundLights found = find_lights(map);
+  ASSERT_EQ(found.lights.size(), 2);
+  EXPECT_NEAR(found.lights[0].radius_degrees, 2.6, 0.02);
+  EXPECT_NEAR(found.lights[0].flux.y / added(lamp, dark).y, 1, 2e-3);
+  EXPECT_LT(off_by(found.lights[1], towards), 0.02);
+  EXPECT_NEAR(found.lights[1].flux.y / added(map, lamp).y, 1, 1e-3);
+}
+
 TEST(Lights, ASunBehindThinCloudIsFoundInItsGlow) {
   EnvironmentMap map = even(Projection::latlong, 512);
   const Direction towards(0.3, 0.5, 0.7);
@@ -216,7 +183,32 @@ TEST(Lights, ASunBehindThinCloudIsFoundInItsGlow) {
   const FoundLights found = find_lights(map);
   ASSERT_EQ(found.lights.size(), 1);
   EXPECT_LT(off_by(found.lights[0], towards), 0.02);
-  EXPECT_NEAR(found.lights[0].flux.y / added(map, glow).y, 1, 2e-3);
+  EXPECT_NEAR(found.lights[0].flux.y / added(map, glow).y, 1, 1e-3);
+}
+
+// A glow that rises to the middle of the disc, in a peak or smoothly, stays in the map: its light is not the sun's.
+TEST(Lights, AGlowGoesOnBehindTheDisc) {
+  const Direction towards = glm::normalize(Direction(0.3, 0.5, 0.7));
+  for (const bool peaked : {true, false}) {
+    EnvironmentMap map = even(Projection::latlong, 512);
+    Level& level = map.base();
+    for (const Texel& t : texels_of(level)) {
+      const Direction d = direction_at(Projection::latlong, t.face, {(t.i + 0.5) / 1024, (t.j + 0.5) / 512});
+      const double off = angle_between(d, towards) / degree;
+      *level.texel(t.face, t.i, t.j) += Colour(float(40 * (peaked ? std::exp(-off / 2) : std::exp(-off * off / 8))));
+    }
+    const EnvironmentMap glow = map.clone();
+    paint_disc(map, towards, sun_radius_degrees, Flux(20000));
+    const FoundLights found = find_lights(map);
+    ASSERT_EQ(found.lights.size(), 1);
+    EXPECT_LT(off_by(found.lights[0], towards), 0.02);
+    EXPECT_NEAR(found.lights[0].flux.y / added(map, glow).y, 1, peaked ? 1e-3 : 5e-4);
+    EnvironmentMap remainder = map.clone();
+    take_out(remainder, found);
+    const Measures m = measure(remainder);
+    EXPECT_LT(m.brightest, 60);
+    EXPECT_GT(m.brightest, 30);
+  }
 }
 
 // A window and a disc of the same solid angle.

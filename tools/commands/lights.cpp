@@ -7,6 +7,7 @@
 #include "envmap/engine/suns.h"
 #include "envmap/io/formats/file_format.h"
 #include "envmap/light/distant_lights.h"
+#include "envmap/light/light_error.h"
 #include "envmap/maths/luminance.h"
 #include "maps/map_facts.h"
 #include "maps/map_options.h"

@@ -9,6 +9,7 @@
 #include "envmap/io/files/scene_folder.h"
 #include "envmap/operate/check_options.h"
 #include "envmap/scenes/read/read_scene.h"
+#include "maps/map_facts.h"
 #include "maps/map_options.h"
 #include "maps/read_and_write_maps.h"
 
@@ -29,6 +30,8 @@ void add_light(Options& o, SceneOptions& s) {
   o.add("--occlusion", "N", &s.occlusion, {0, max_distant_lights},
         "Lights that approximate the environment's shadows, 0 for none (default: 64)")
       .needs = "--environment";
+  o.flag("--suns", s.suns, "Make the environment's suns lights that cast shadows, in place of their texels").needs =
+      "--environment";
 }
 
 void add_frames(Options& o, SceneOptions& s) {
@@ -156,6 +159,25 @@ SceneGraph read_scene(const std::string& path, const ReadOptions& read, std::opt
   }
 }
 
+namespace {
+
+// With -v, the lights that were found.
+FoundLights suns_of(const EnvironmentMap& map, const SceneOptions& o) {
+  if (!o.suns) return {};
+  FoundLights suns = find_lights(map, {}, {.progress = progress_line("suns")});
+  if (suns.lights.empty())
+    warn(fmt::format("{}: no light for --suns: texels light everything ('envmap lights' tells more)", o.environment));
+  if (!settings().verbose) return suns;
+  for (const DiscLight& sun : suns.lights) {
+    const auto [azimuth, elevation] = tools::angles_of(sun.towards);
+    note(fmt::format("sun at azimuth {:.3f}, elevation {:.3f}: radius {}{:.4f} degrees, {:.2g}% of the light", azimuth,
+                     elevation, sun.radius_is_bound ? "<" : "", sun.radius_degrees, 100 * sun.share));
+  }
+  return suns;
+}
+
+}  // namespace
+
 LoadedScene load(const SceneOptions& o) {
   LoadedScene loaded{{.scene = read_scene(o.path, o.read, o.allow_missing)}};
   loaded.move_to(frames_of(o).time(frames_of(o).first));
@@ -167,7 +189,9 @@ LoadedScene load(const SceneOptions& o) {
                      instances(scene).size(), scene.materials.size(), scene.lights.size()));
   if (o.environment.empty()) return loaded;
   loaded.inputs.push_back(o.environment);
-  loaded.light_by(PreparedEnvironment(read_map(o.environment, o.read).map), o.occlusion, o.reflection,
+  EnvironmentMap map = read_map(o.environment, o.read).map;
+  FoundLights suns = suns_of(map, o);
+  loaded.light_by(PreparedEnvironment(std::move(map), {}, std::move(suns)), o.occlusion, o.reflection,
                   progress_line("light of the environment"));
   return loaded;
 }

@@ -21,7 +21,7 @@ struct SceneOptions {
   std::string path, environment, frames;
   std::optional<envmap::Direction> ambient;
   envmap::ContextKind context = envmap::ContextKind::automatic;
-  bool no_shadows = false;
+  bool no_shadows = false, suns = false;
   std::optional<bool> allow_missing;  // Absent: the command has no such option.
   int occlusion = 64;
   envmap::Reflection reflection = envmap::Reflection::split_sum;

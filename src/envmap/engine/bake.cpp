@@ -11,6 +11,7 @@
 #include "envmap/io/files/output_folder.h"
 #include "envmap/io/texels/rounding.h"
 #include "envmap/io/write_table.h"
+#include "envmap/light/light_error.h"
 #include "envmap/maths/portable.h"
 #include "envmap/operate/grade.h"
 #include "envmap/operate/refuse_flaws.h"

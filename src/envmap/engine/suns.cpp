@@ -159,12 +159,21 @@ struct SunsOf {
   std::string_view unit;
 };
 
-// packages/dev/core/src/Lights/light.ts, _getPhotometricScale(): directional lights are in lux, factor 1.
+// Lights/light.ts, _getPhotometricScale(): directional lights are in lux where the mode is automatic, factor 1.
 constexpr std::string_view unit_of_babylon =
     "addSuns(BABYLON, scene) of suns.js adds them. DirectionalLight.intensity is in lux (Lights/light.ts, "
     "_getPhotometricScale).";
 
-// Each row names the source of its unit. An engine without a row has the last.
+// Each row names the source of its unit. An engine without a row has the last. What the sources say:
+// - bevy: docs.rs, DirectionalLight: a table of illuminance in lux. It shines along -Z.
+// - blender: manual, Light Objects, Sun: strength in watts per square metre.
+// - filament: LightManager.h: intensity() of directional lights is illuminance in lux; sunAngularRadius() the radius in
+//   degrees, 0.25 to 20.
+// - gltf: KHR_lights_punctual: directional lights use illuminance in lux (lm/m^2).
+// - three: GLTFLoader.js takes that intensity over unchanged, and BRDF_Lambert of common.glsl.js divides by pi.
+// - unity: HDAdditionalLightData.cs: directional lights in lux, angularDiameter in degrees.
+// - unreal: "Physical Lighting Units": directional lights are direct normal illuminance in lux, the sky light cd/m^2.
+//   DirectionalLightComponent, LightSourceAngle: the angular diameter in degrees.
 constexpr SunsOf suns_rows[] = {
     {"babylon", "suns.js", babylon_text, unit_of_babylon},
     {"babylon-env", "suns.js", babylon_text, unit_of_babylon},
@@ -180,7 +189,8 @@ constexpr SunsOf suns_rows[] = {
      "(LightManager.h); IndirectLight's intensity multiplies the maps: multiply the sun's by it, too."},
     {"gltf", "suns.gltf", gltf_text,
      "The intensity of directional lights is in lux (KHR_lights_punctual), the map in cd/m^2."},
-    // servers/rendering/renderer_rd/storage_rd/light_storage.cpp: energy is multiplied by pi, the colour decoded.
+    // servers/rendering/renderer_rd/storage_rd/light_storage.cpp: energy is multiplied by pi where physical units are
+    // off, the colour decoded from sRGB.
     {"godot", "suns.tscn", godot_text,
      "Add suns.tscn to the scene. light_energy times pi is the irradiance where physical light units are off "
      "(light_storage.cpp)."},
@@ -194,7 +204,8 @@ constexpr SunsOf suns_rows[] = {
     {"unreal", "suns.txt", table_text,
      "Directional Light: Intensity is in lux, Source Angle the diameter in degrees (documentation, Physical Lighting "
      "Units); the Sky Light's Intensity Scale multiplies the map: multiply the intensity by it, too."},
-    // UsdLux, DistantLight: "if normalize is true, intensity is the illuminance"; sizeFactor = pi sin^2(angle / 2).
+    // UsdLux, "Normalizing Distant Lights - In Depth": luminance = intensity / sizeFactor, sizeFactor = pi sin^2 of
+    // half the angle, which is the irradiance of a disc of luminance 1.
     {"usd", "light.usda", usd_text,
      "DistantLight with inputs:normalize has its irradiance as inputs:intensity, and inputs:angle is its diameter in "
      "degrees (openusd.org, UsdLuxDistantLight)."},

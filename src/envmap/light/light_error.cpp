@@ -1,8 +1,8 @@
-// How far lights without a size are from the discs, glows and texels that they stand for.
+#include "envmap/light/light_error.h"
+
 #include <algorithm>
 #include <cmath>
 
-#include "envmap/light/lights.h"
 #include "envmap/maths/portable.h"
 #include "envmap/operate/grade.h"
 #include "envmap/prefilter/lobe_formulas.h"

@@ -70,7 +70,7 @@ class Finder {
   FoundLights run(const Progress& progress) {
     const double largest = solid_angle_of_disc(options_.max_radius_degrees * degree);
     // A source that is no larger and has its share is so bright in the mean.
-    const std::vector<BrightRegion> regions =
+    std::vector<BrightRegion> regions =
         bright_regions(geometry_, options_.min_share * luminous_flux_ / largest, largest);
     // The strongest texels of a source are a quarter of it, or more: what has less is no source.
     const auto end = std::ranges::find_if(regions, [&](const BrightRegion& r) {
@@ -78,6 +78,10 @@ class Finder {
     });
     const std::size_t most_tried = std::size_t(8 * options_.most);
     const std::size_t count = std::min(most_tried, std::size_t(end - regions.begin()));
+    // Of the strongest the brightest first: a sun beside a larger lamp is taken out before the lamp's surroundings are
+    // looked at.
+    std::ranges::stable_sort(regions.begin(), regions.begin() + std::min<std::ptrdiff_t>(count, options_.most),
+                             std::ranges::greater(), &BrightRegion::peak);
     for (std::size_t k = 0; k < count && int(found_.lights.size()) < options_.most; ++k) {
       look_at(regions[k]);
       if (progress) progress(double(k) / double(count));
@@ -104,7 +108,8 @@ class Finder {
         place = {first.towards, first.radius};
         continue;
       }
-      if (is_light(fit, place, region)) take(*patch, fit, place);
+      const bool has_room = int(found_.lights.size() + fit.discs.size()) <= options_.most;
+      if (has_room && is_light(fit, place, region)) take(*patch, fit, place);
       return;
     }
   }
@@ -140,6 +145,11 @@ class Finder {
     constexpr double good = 0.1;
     std::vector<Disc> first{{place.middle, place.radius, 0}};
     DiscFit best = fit_discs(patch, first);
+    // A disc of less than a texel, from the middle of its brightest texel alone, may get stuck beside the others.
+    if (best.misfit > good) {
+      const Disc centred{middle_of_light(patch), 0.5 * place.radius, 0};
+      if (DiscFit other = fit_discs(patch, std::span(&centred, 1)); other.misfit < best.misfit) best = std::move(other);
+    }
     while (best.misfit > good && best.discs.size() < 3) {
       first = best.discs;
       first.push_back(where_most_is_left(patch, best));
@@ -149,6 +159,13 @@ class Finder {
       best = std::move(more);
     }
     return best;
+  }
+
+  static Direction middle_of_light(const Patch& patch) {
+    Direction sum(0);
+    for (std::size_t t = 0; t < patch.size(); ++t)
+      sum += patch.weight()[t] * std::max(0.0, patch.luminance()[t]) * patch.centre()[t];
+    return unit(sum, patch.middle());
   }
 
   static Disc where_most_is_left(const Patch& patch, const DiscFit& fit) {

@@ -31,7 +31,7 @@ struct DiscLight {
   double contrast = 0;     ///< Its luminance over that of its surroundings.
   double misfit = 0;       ///< rms of what the disc leaves unexplained, over that of the light.
   int texels_at_peak = 0;  ///< That hold the largest value of the light: many where it was clipped.
-  Flux spread{0};          ///< Integral of its radiance x distance (chord) from `towards`, at most: for light_error().
+  Flux spread{0};          ///< Integral of its radiance x distance (chord) from `towards`, at most: for light_error.h.
 };
 
 struct LightOptions {
@@ -68,16 +68,5 @@ FoundLights find_lights(const EnvironmentMap& map, const LightOptions& options =
 
 /// Takes the lights out of level 0 of the map that they were found in, and removes its other levels.
 void take_out(EnvironmentMap& map, const FoundLights& found);
-
-/// Upper bounds of what changes, in the worst direction of all, where lights without a size and the remainder stand for
-/// the map: over the largest value that the map has in any direction, of the worst channel.
-struct LightError {
-  double irradiance = 0;  ///< Of unshadowed planes.
-  double ggx = 0;         ///< Of prefiltered reflection (Lobe::ggx).
-};
-
-/// No kernel changes by more than its steepest slope times the distance that light is moved: a theorem, which holds for
-/// every direction. @param roughness perceptual, above 0.
-LightError light_error(const EnvironmentMap& map, const FoundLights& found, double roughness = 0.5);
 
 }  // namespace envmap

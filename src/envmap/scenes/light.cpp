@@ -10,6 +10,16 @@ Light::Light(EnvironmentMap map, const Run& run)
         return std::make_shared<const PreparedEnvironment>(std::move(map), progress);
       })) {}
 
+Light::Light(std::shared_ptr<const PreparedEnvironment> prepared) : prepared_(std::move(prepared)) {}
+
+Light Light::with_suns(EnvironmentMap map, const LightOptions& options, const Run& run) {
+  return Light(run_operation(run, [&](const Progress& progress) {
+    FoundLights suns = find_lights(map, options, {.stop = run.stop});
+    return std::make_shared<const PreparedEnvironment>(std::move(map), progress, std::move(suns));
+  }));
+}
+
 const EnvironmentMap& Light::map() const { return prepared_->map(); }
+const std::vector<DiscLight>& Light::suns() const { return prepared_->suns(); }
 
 }  // namespace envmap

@@ -3,9 +3,11 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
 #include "envmap/base/export.h"
 #include "envmap/base/run.h"
+#include "envmap/light/lights.h"
 #include "envmap/map/environment_map.h"
 
 namespace ENVMAP_EXPORT envmap {
@@ -21,9 +23,17 @@ class Light {
   /// infinite or negative.
   explicit Light(EnvironmentMap map, const Run& run = {});
 
+  /// An environment whose suns and lamps (find_lights()) light surfaces as discs, which cast shadows with half shadows,
+  /// in place of their texels. What lies behind scenes and what sharp reflections show stays the map as it is.
+  static Light with_suns(EnvironmentMap map, const LightOptions& options = {}, const Run& run = {});
+
   [[nodiscard]] const EnvironmentMap& map() const;
+  /// None where the constructor made the light, and where the map has none.
+  [[nodiscard]] const std::vector<DiscLight>& suns() const;
 
  private:
+  explicit Light(std::shared_ptr<const PreparedEnvironment> prepared);
+
   friend class Scene;
   std::shared_ptr<const PreparedEnvironment> prepared_;
 };

@@ -1,5 +1,6 @@
 """Maps and pictures of scenes."""
 import dataclasses
+import functools
 import os
 import warnings
 from collections.abc import Mapping
@@ -27,6 +28,9 @@ class Light:
     ----------
     map : Map or array
         The environment. Level 0 is used, and copied.
+    suns : bool, optional
+        Suns and lamps, as lights() finds them, light surfaces as discs that cast shadows, in place of their texels. The
+        background, mirrors and clear glass show the map as it is.
     progress : function, optional
         Is called with the fraction done, rising to 1. What it raises ends the work.
 
@@ -43,15 +47,16 @@ class Light:
     <envmap.Light of latlong 64x32>
     """
 
-    __slots__ = ("_core", "_map", "__weakref__")
+    __slots__ = ("_core", "_map", "_suns", "__weakref__")
 
     @public
-    def __init__(self, map: AnyMap, *, progress: Progress = None) -> None:
+    def __init__(self, map: AnyMap, *, suns: bool = False, progress: Progress = None) -> None:
         self._map = Map(map)
-        self._core = _envmap.light(core_of(self._map), progress)
+        self._suns = suns
+        self._core = _envmap.light(core_of(self._map), suns, progress)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return Light, (self._map,)
+        return functools.partial(Light, suns=self._suns), (self._map,)
 
     def __repr__(self) -> str:
         return f"<envmap.Light of {repr(self._map).removeprefix('<envmap.Map ').split(',')[0]}>"

@@ -25,10 +25,13 @@ DrawLoad draw_load(const FrameState& shot) {
   DrawLoad load{.triangles = triangles(shot.scene), .lights = shot.distant.size(), .shadow_texels = 0};
   load.shadow_texels = shadow_map_texels(load.lights);
   if (!shot.shadows) return load;
+  const std::size_t suns = shot.environment != nullptr ? shot.environment->light.suns.size() : 0;
   const std::vector<PlacedLight> lights = placed_lights(shot.scene, shot.pose);
   std::size_t images = 0;
   for (const PlacedLight& light : lights) images += std::size_t(shadow_view_count(light));
-  load.lights += lights.size();
+  images += suns * maps_per_sun;
+  load.lights += lights.size() + suns * maps_per_sun;
+  load.more_rays = suns * (rays_per_sun - maps_per_sun);
   load.shadow_texels += shadow_map_texels(images);
   return load;
 }
@@ -37,7 +40,8 @@ double estimated_cost(DrawMethod method, Projection to, int size, const DrawLoad
   const Lines& lines = card ? on_card : on_processor;
   const double count = double(load.triangles), lights = double(load.lights), texels = texel_count(to, size);
   if (method == DrawMethod::raycast)
-    return (lines.cast_texel + lines.cast_shadow * lights) * texels + lines.cast_triangle * count;
+    return (lines.cast_texel + lines.cast_shadow * (lights + double(load.more_rays))) * texels +
+           lines.cast_triangle * count;
   const double maps = lines.shadow_texel * double(load.shadow_texels), shadows = lines.drawn_shadow * lights;
   if (method == DrawMethod::resample)
     return maps + (lines.cube_texel + shadows) * texel_count(Projection::cube, size) + lines.cube_triangle * count +

@@ -14,6 +14,7 @@ struct DrawLoad {
   std::size_t triangles = 0;
   std::size_t lights = 0;         ///< With shadows, those of the environment among them.
   std::size_t shadow_texels = 0;  ///< Of their shadow maps.
+  std::size_t more_rays = 0;      ///< Beside one a light, where rays find the shadows of suns.
 };
 
 DrawLoad draw_load(const FrameState& shot);

@@ -158,13 +158,14 @@ gl::Texture texels_of(const gl::Buffer& buffer) {
 GpuLight from_viewpoint(const PlacedLight& light, const Direction& eye, int first_face) {
   return {{glm::vec3(light.position - eye), float(light.kind)},
           {glm::vec3(light.direction), float(light.range)},
-          {light.intensity, 0},
+          {light.intensity, light.spread},
           {light.inner, light.outer, first_face, shadow_view_count(light)}};
 }
 
 }  // namespace
 
-GpuScene::GpuScene(const SceneGraph& scene, std::span<const int> mirrors) : lights_(int(scene.lights.size())) {
+GpuScene::GpuScene(const SceneGraph& scene, std::span<const int> mirrors, std::vector<PlacedLight> suns)
+    : lights_(int(scene.lights.size())), suns_(std::move(suns)) {
   std::vector<glm::vec3> vertices;
   std::vector<std::uint32_t> indices;
   std::vector<GpuCorner> corners;
@@ -207,7 +208,8 @@ GpuScene::GpuScene(const SceneGraph& scene, std::span<const int> mirrors) : ligh
   tangents_ = gl::make_buffer(tangents_of(scene), GL_DYNAMIC_STORAGE_BIT);
   materials_ = gl::make_buffer(materials_of(scene));
   instances_ = gl::make_buffer(nullptr, parts_.size() * sizeof(GpuInstance), GL_DYNAMIC_STORAGE_BIT);
-  light_buffer_ = gl::make_buffer(nullptr, scene.lights.size() * sizeof(GpuLight), GL_DYNAMIC_STORAGE_BIT);
+  light_buffer_ =
+      gl::make_buffer(nullptr, (scene.lights.size() + suns_.size()) * sizeof(GpuLight), GL_DYNAMIC_STORAGE_BIT);
   corner_texels_ = texels_of(corners_);
   tangent_texels_ = texels_of(tangents_);
   material_texels_ = texels_of(materials_);
@@ -267,11 +269,17 @@ void GpuScene::place(const SceneGraph& scene, const Pose& pose, const Direction&
   glNamedBufferSubData(instances_, 0, static_cast<GLsizeiptr>(rows.size() * sizeof(GpuInstance)), rows.data());
   std::vector<GpuLight> lights;
   int face = 0;
-  for (const PlacedLight& light : placed_lights(scene, pose)) {
+  for (const PlacedLight& light : lights_at(scene, pose)) {
     lights.push_back(from_viewpoint(light, eye, face));
     face += shadow_view_count(light);
   }
   glNamedBufferSubData(light_buffer_, 0, static_cast<GLsizeiptr>(lights.size() * sizeof(GpuLight)), lights.data());
+}
+
+std::vector<PlacedLight> GpuScene::lights_at(const SceneGraph& scene, const Pose& pose) const {
+  std::vector<PlacedLight> all = placed_lights(scene, pose);
+  all.insert(all.end(), suns_.begin(), suns_.end());
+  return all;
 }
 
 void GpuScene::bind() const {

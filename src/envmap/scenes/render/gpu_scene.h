@@ -9,6 +9,7 @@
 
 #include "envmap/scenes/render/draw.h"
 #include "envmap/scenes/render/gl.h"
+#include "envmap/scenes/render/shading/shading.h"
 #include "envmap/scenes/scene/camera.h"
 
 namespace envmap {
@@ -51,14 +52,17 @@ struct InstanceTransform {
 /// Needs a current context, and goes before it.
 class GpuScene {
  public:
-  /// @param mirrors nodes that have a map each, with all below them.
+  /// @param mirrors nodes that have a map each, with all below them. @param suns sun_lights() of the environment.
   /// @throws UsageError where a texture is larger than GL takes.
-  explicit GpuScene(const SceneGraph& scene, std::span<const int> mirrors = {});
+  explicit GpuScene(const SceneGraph& scene, std::span<const int> mirrors = {}, std::vector<PlacedLight> suns = {});
 
   [[nodiscard]] const std::vector<Part>& parts() const { return parts_; }
   [[nodiscard]] const std::vector<Group>& groups() const { return groups_; }
   [[nodiscard]] bool blends() const { return std::ranges::any_of(groups_, &Group::blended); }
-  [[nodiscard]] int lights() const { return lights_; }
+  [[nodiscard]] int lights() const { return lights_; }  ///< Of the scene itself.
+  [[nodiscard]] int suns() const { return int(suns_.size()); }
+  /// Of the scene, and behind them those of the suns: as shaders number them.
+  [[nodiscard]] std::vector<PlacedLight> lights_at(const SceneGraph& scene, const Pose& pose) const;
 
   /// Uploads a mesh's vertex attributes again. Vertex count and triangles must not have changed.
   void update(const SceneGraph& scene, int mesh);
@@ -85,6 +89,7 @@ class GpuScene {
   std::vector<InstanceTransform> placed_;
   std::vector<Group> groups_;
   int lights_ = 0;
+  std::vector<PlacedLight> suns_;
   gl::Buffer vertices_, indices_, corners_, tangents_, materials_, instances_, light_buffer_;
   gl::Texture corner_texels_, tangent_texels_, material_texels_, instance_texels_;
   gl::VertexArray layout_;

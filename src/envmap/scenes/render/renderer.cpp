@@ -202,7 +202,8 @@ Renderer::Renderer(const SceneGraph& scene, const Environment* environment, std:
                    std::shared_ptr<ProgramCache> programs)
     : programs_(programs ? std::move(programs) : std::make_shared<ProgramCache>()),
       mirrors_(std::move(mirrors)),
-      gpu_(scene, mirrors_),
+      gpu_(scene, mirrors_,
+           environment != nullptr ? sun_lights(environment->light.suns, maps_per_sun) : std::vector<PlacedLight>{}),
       shadows_(programs_),
       distant_shadows_(programs_),
       environment_(upload((environment != nullptr ? *environment : darkness()).map)),
@@ -253,9 +254,9 @@ void Renderer::set_light(const gl::Program& program, const Group& group, const V
   const Colour none(0);
   // Of punctual lights a mirror without roughness shows glints that are smaller than texels,
   // and not where the image is.
-  gl::set(program, "light_count", image ? 0 : gpu_.lights());
+  // A map of its own shows what is round it, suns, too.
+  gl::set(program, "light_count", image ? 0 : gpu_.lights() + (own ? 0 : gpu_.suns()));
   gl::set(program, "shadows", shot.shadows ? 1 : 0);
-  // A map of its own shows what is round it.
   gl::set(program, "distant_count", own ? 0 : int(shot.distant.size()));
   gl::set(program, "ambient", own ? none : shot.ambient);
   gl::set(program, "reflected_ambient", mirror != nullptr || picture != nullptr ? none : shot.ambient);
@@ -351,8 +352,8 @@ void Renderer::shade_group(const Viewpoint& from, const FrameState& shot, std::s
 
 // Maps that are not of this moment yet.
 void Renderer::draw_shadows(const FrameState& shot) {
-  if (shot.shadows && gpu_.lights() > 0 && !shadows_.are_of(shot.pose))
-    shadows_.draw(gpu_, shot, shadow_views(placed_lights(shot.scene, shot.pose), bounds(shot.scene, shot.pose)));
+  if (shot.shadows && gpu_.lights() + gpu_.suns() > 0 && !shadows_.are_of(shot.pose))
+    shadows_.draw(gpu_, shot, shadow_views(gpu_.lights_at(shot.scene, shot.pose), bounds(shot.scene, shot.pose)));
   if (shot.distant.empty() || distant_shadows_.are_of(shot.pose)) return;
   const Ball ball = bounds(shot.scene, shot.pose);
   std::vector<ShadowView> faces;

@@ -111,7 +111,7 @@ class Renderer {
   std::shared_ptr<ProgramCache> programs_;
   std::vector<int> mirrors_;
   GpuScene gpu_;
-  ShadowMaps shadows_, distant_shadows_;  // Of punctual lights, and of FrameState::distant.
+  ShadowMaps shadows_, distant_shadows_;  // Of punctual lights and suns, and of FrameState::distant.
   gl::Buffer distant_lights_;
   EnvironmentTexture environment_;
   LightTexture light_;

@@ -3,6 +3,8 @@
 /// reference: prefiltered maps stand for these integrals and assume that normal, view and mirrored direction are one.
 #pragma once
 
+#include <utility>
+
 #include "envmap/operate/lookup.h"
 #include "envmap/scenes/render/rays/environment_sampler.h"
 
@@ -13,9 +15,9 @@ namespace envmap {
 /// / sqrt(n); in tests/render/lobe_integral_test.cpp it is below 1% with 4,096.
 class LobeIntegral {
  public:
-  /// @param lookup of the map; must outlive this. @param samples of each integral, even and above 0.
-  LobeIntegral(const EnvironmentMap& map, const EnvironmentLookup& lookup, int samples)
-      : lookup_(lookup), sampler_(map), half_(samples / 2) {}
+  /// @param lookup of the map. @param samples of each integral, even and above 0.
+  LobeIntegral(const EnvironmentMap& map, EnvironmentLookup lookup, int samples)
+      : lookup_(std::move(lookup)), sampler_(map), half_(samples / 2) {}
 
   /// Irradiance over pi.
   [[nodiscard]] Flux diffuse(const Direction& normal) const;
@@ -30,7 +32,7 @@ class LobeIntegral {
   template <class Lobe>
   [[nodiscard]] Flux integrate(const Lobe& lobe) const;
 
-  const EnvironmentLookup& lookup_;
+  EnvironmentLookup lookup_;
   EnvironmentSampler sampler_;
   int half_;
 };

@@ -22,7 +22,10 @@ double reflectance(double ior, double cosine) {
 
 std::optional<LobeIntegral> lobe_integral(const FrameState& shot, const RayPaths& paths) {
   if (paths.lobe_samples == 0 || shot.environment == nullptr) return std::nullopt;
-  return LobeIntegral(shot.environment->map, shot.environment->lookup, paths.lobe_samples);
+  const Environment& around = *shot.environment;
+  return LobeIntegral(*around.remainder,
+                      around.light.suns.empty() ? around.lookup : EnvironmentLookup(*around.remainder),
+                      paths.lobe_samples);
 }
 
 WhittedIntegrator::WhittedIntegrator(const EmbreeScene& tree, const Lighting& light, const FrameState& shot,
@@ -73,7 +76,8 @@ Flux WhittedIntegrator::leaving(const SurfaceHit& hit, const Ray& ray) const {
 
 Flux WhittedIntegrator::scattered(const SurfaceHit& hit, const Ray& ray) const {
   const ShadingPoint& s = hit.surface;
-  const ShadingResult out = scatter(s, -ray.along, light_);
+  const TracedPath& layers = followed_[hit.instance];
+  const ShadingResult out = scatter(s, -ray.along, light_, {layers.base, layers.coat});
   const Direction place = ray.origin + hit.distance * ray.along;
   // What mirrors and lenses show is followed; the environment's light that others send on comes from its levels or
   // lobes.
@@ -84,21 +88,20 @@ Flux WhittedIntegrator::scattered(const SurfaceHit& hit, const Ray& ray) const {
     if (!followed || ray.bounces == 0 || next.weight < negligible) return of_environment();
     return part * (inside ? through(next, {s.ior, Flux(s.absorption)}, 0) : along(next));
   };
-  const TracedPath& followed = followed_[hit.instance];
   const Direction v = -ray.along;
   const auto mirrored = [&](const Direction& n) { return after_reflection(hit.spread, ray.along, n, hit.normals); };
   const RayDifferential refracted =
       s.solid ? after_refraction(hit.spread, ray.along, s.normal, hit.normals, 1.0 / std::max(1.0F, s.ior))
               : hit.spread;
   return out.radiance +
-         beyond(out.reflected, out.mirrored, mirrored(s.normal), followed.base, false,
+         beyond(out.reflected, out.mirrored, mirrored(s.normal), layers.base, false,
                 [&] { return reflected_light(s, v, light_, out); }) +
-         beyond(out.transmitted, out.refracted, refracted, followed.base, s.solid,
+         beyond(out.transmitted, out.refracted, refracted, layers.base, s.solid,
                 [&] {
                   return out.transmitted * transmittance(Flux(s.absorption), s.thickness) *
-                         glossy_radiance(light_, out.refracted, s.roughness);
+                         transmitted_radiance(light_, out.refracted, s.roughness);
                 }) +
-         beyond(out.coat, out.coat_mirrored, mirrored(s.coat_normal), followed.coat, false,
+         beyond(out.coat, out.coat_mirrored, mirrored(s.coat_normal), layers.coat, false,
                 [&] { return coat_light(s, v, light_, out); });
 }
 

@@ -46,14 +46,30 @@ uniform float glossy_roughness[MAX_GLOSSY_LEVELS], glossy_mip[MAX_GLOSSY_LEVELS]
 
 vec3 blurred(vec3 from, int level) { return ambient + textureLod(glossy, vec4(from, level), glossy_mip[level]).rgb; }
 
-// @param v away from the surface. @param bend as turned() has it.
-vec3 glossy_radiance(vec3 v, vec3 n, float bend, float roughness) {
-  vec3 from = turned(-v, n, bend);
+// Of two levels the upper, and how far it is from the lower to it. Below level 0 is the environment itself.
+struct GlossyMix {
+  int upper;
+  float part;
+};
+GlossyMix glossy_mix(float roughness) {
   int upper = 0;
   while (upper < glossy_count - 1 && glossy_roughness[upper] < roughness) ++upper;
   float least = upper == 0 ? 0 : glossy_roughness[upper - 1];
-  vec3 below = upper == 0 ? reflected_ambient + reflected(from, n, bend) : blurred(from, upper - 1);
-  return mix(below, blurred(from, upper), clamp((roughness - least) / (glossy_roughness[upper] - least), 0, 1));
+  return GlossyMix(upper, clamp((roughness - least) / (glossy_roughness[upper] - least), 0, 1));
+}
+
+// @param v away from the surface. @param bend as turned() has it.
+vec3 glossy_radiance(vec3 v, vec3 n, float bend, float roughness) {
+  vec3 from = turned(-v, n, bend);
+  GlossyMix m = glossy_mix(roughness);
+  vec3 below = m.upper == 0 ? reflected_ambient + reflected(from, n, bend) : blurred(from, m.upper - 1);
+  return mix(below, blurred(from, m.upper), m.part);
+}
+
+// How much of a reflection the levels give, which are without the suns.
+float blurred_part(float roughness) {
+  GlossyMix m = glossy_mix(roughness);
+  return m.upper == 0 ? m.part : 1;
 }
 
 // KHR_lights_punctual: what arrives across the light, and from where.
@@ -92,6 +108,35 @@ vec3 later(vec3 f0, float f90, vec2 table) {
 }
 
 float alpha_of(float roughness) { return max(1e-3, roughness * roughness); }
+
+// x: alpha for a light; y: the part of its reflection that sharp ones do not have.
+vec2 glint_of(Light light, float roughness, float blur) {
+  float spread = light.intensity.w, alpha = alpha_of(roughness);
+  if (spread == 0) return vec2(alpha, 1);
+  float widened = length(vec2(alpha, 0.5 * spread));
+#if SAMPLED
+  if (blur * roughness >= LEAST_LOBE_ROUGHNESS) return vec2(widened, 1);
+#endif
+  return vec2(widened, blurred_part(blur * roughness));
+}
+
+// The lobe of Ggx of prefilter/lobe.h. @param x 1 - cosine.
+float ggx_lobe(float roughness, float x) {
+  float alpha = max(1e-6, roughness * roughness), a = 2 * alpha * alpha, b = (1 - alpha) * (1 + alpha), t = b / a;
+  float whole = (t < 0.01 ? 0.5 - t / 3 : (t - log(1 + t)) / (t * t)) / (a * a), q = a + b * x;
+  return x < 1 ? (1 - x) / (q * q * 2 * PI * whole) : 0;
+}
+
+// What rough glass lets through of the suns, which its levels are without.
+vec3 suns_through(vec3 v, vec3 n, float bend, float roughness) {
+  float part = blurred_part(roughness);
+  vec3 from = turned(-v, n, bend), sum = vec3(0);
+  if (part == 0) return sum;
+  for (int k = 0; k < light_count; ++k)
+    if (lights[k].intensity.w > 0)
+      sum += part * ggx_lobe(roughness, 1 + dot(from, lights[k].direction.xyz)) * lights[k].intensity.rgb;
+  return sum;
+}
 float grazing(float cosine) { return pow(1 - clamp(cosine, 0, 1), 5); }
 
 struct Base {
@@ -106,14 +151,15 @@ Base base_of(ShadingPoint s, vec3 v) {
               vec3(part * part), s.ior > 1 ? 1 : 0);
 }
 
-vec3 lit(Base b, ShadingPoint s, vec3 v, vec3 from) {
+// @param glint of glint_of().
+vec3 lit(Base b, ShadingPoint s, vec3 v, vec3 from, vec2 glint) {
   float nl = dot(s.normal, from);
   if (nl <= 0) return vec3(0);
   vec3 h = normalize(from + v);
   float side = grazing(dot(v, h));
   vec3 of_plain = b.plain + (b.edge - b.plain) * side, fresnel = mix(of_plain, b.colour + (1 - b.colour) * side, s.metallic);
   vec3 diffuse = (1 - of_plain) * (1 - s.transmission) / PI;
-  return nl * (diffuse * b.dielectric + fresnel * specular(alpha_of(s.roughness), s.normal, h, b.nv, nl));
+  return nl * (diffuse * b.dielectric + glint.y * fresnel * specular(glint.x, s.normal, h, b.nv, nl));
 }
 
 #if SHEEN
@@ -145,9 +191,9 @@ Coat coat_of(ShadingPoint s, vec3 v) {
   return Coat(nv, s.coat * (0.04 + 0.96 * grazing(nv)), table.x + table.y);
 }
 
-float lit(Coat c, ShadingPoint s, vec3 v, vec3 from) {
+float lit(Coat c, ShadingPoint s, vec3 v, vec3 from, vec2 glint) {
   float nl = dot(s.coat_normal, from);
-  return nl <= 0 ? 0 : nl * specular(alpha_of(s.coat_roughness), s.coat_normal, normalize(from + v), c.nv, nl);
+  return nl <= 0 ? 0 : nl * glint.y * specular(glint.x, s.coat_normal, normalize(from + v), c.nv, nl);
 }
 #endif
 
@@ -167,13 +213,16 @@ vec3 shade(ShadingPoint s, vec3 v) {
   vec2 table = textureLod(split_sum, vec2(b.nv, s.roughness), 0).rg;
   vec3 even = s.reached * irradiance_over_pi(n, unoccluded(s.shadow_origin, s.smooth_normal));
   vec3 rest = 1 - once(b.plain, b.edge, table) - later(b.plain, b.edge, table);
+  vec3 bounced = mix(later(b.plain, b.edge, table), later(b.colour, 1, table), s.metallic);
   vec3 sum = rest * b.dielectric * (1 - s.transmission) * even +
-             mix(later(b.plain, b.edge, table), later(b.colour, 1, table), s.metallic) * even +
+             bounced * even +
              s.reached * mix(once(b.plain, b.edge, table), once(b.colour, 1, table), s.metallic) *
                  reflected_radiance(v, n, blur * s.roughness, mix(b.plain, b.colour, s.metallic), mix(b.edge, 1.0, s.metallic));
   if (s.transmission > 0) {
     vec3 through = glossy_radiance(v, n, s.bend, blur * s.roughness);  // Which finds `way`.
-    sum += rest * b.dielectric * s.transmission * exp(-s.volume.rgb * min(s.volume.a, way)) * through;
+    vec3 kept = exp(-s.volume.rgb * min(s.volume.a, way));
+    through += suns_through(v, n, s.bend, blur * s.roughness);
+    sum += rest * b.dielectric * s.transmission * kept * through;
   }
 #if SHEEN
   Sheen f = sheen_of(s, v);
@@ -191,12 +240,13 @@ vec3 shade(ShadingPoint s, vec3 v) {
   for (int k = 0; k < light_count; ++k) {
     vec3 from, there = arriving(lights[k], s.position, from);
     if (dot(s.smooth_normal, from) <= 0) continue;
-    vec3 part = lit(b, s, v, from);
+    vec3 part = lit(b, s, v, from, glint_of(lights[k], s.roughness, blur));
+    if (lights[k].intensity.w > 0) part += max(0, dot(n, from)) / PI * bounced;
 #if SHEEN
     part = lit(f, s, v, from, part);
 #endif
 #if COATED
-    part = (1 - c.part) * part + c.part * lit(c, s, v, from);
+    part = (1 - c.part) * part + c.part * lit(c, s, v, from, glint_of(lights[k], s.coat_roughness, coat_blur));
 #endif
     if (part == vec3(0) || in_shadow(lights[k], s.shadow_origin, s.smooth_normal)) continue;
     sum += there * part;

@@ -13,10 +13,23 @@ std::shared_ptr<const EnvironmentMap> first_level(EnvironmentMap map) {
   return std::make_shared<const EnvironmentMap>(std::move(map));
 }
 
+std::shared_ptr<const EnvironmentMap> without(const std::shared_ptr<const EnvironmentMap>& map,
+                                              const FoundLights& suns) {
+  if (suns.lights.empty()) return map;
+  EnvironmentMap rest = map->clone();
+  take_out(rest, suns);
+  return std::make_shared<const EnvironmentMap>(std::move(rest));
+}
+
 }  // namespace
 
-PreparedEnvironment::PreparedEnvironment(EnvironmentMap map, const Progress& progress)
-    : map_(first_level(std::move(map))), lookup_(*map_), irradiance_(irradiance_over_pi(*map_)), source_(map_) {
+PreparedEnvironment::PreparedEnvironment(EnvironmentMap map, const Progress& progress, FoundLights suns)
+    : map_(first_level(std::move(map))),
+      remainder_(without(map_, suns)),
+      suns_(std::move(suns.lights)),
+      lookup_(*map_),
+      irradiance_(irradiance_over_pi(*remainder_)),
+      source_(remainder_) {
   if (progress) progress(1);
 }
 
@@ -32,13 +45,13 @@ std::shared_ptr<const Environment> PreparedEnvironment::light(const std::vector<
   std::shared_ptr<const Environment>& known = made_[{roughnesses, reflection}];
   if (known) return known;
   isolate_tasks([&] {
-    EnvironmentLight light{.irradiance = irradiance_, .glossy = {}, .roughnesses = roughnesses};
+    EnvironmentLight light{.irradiance = irradiance_, .glossy = {}, .roughnesses = roughnesses, .suns = suns_};
     for (const float roughness : roughnesses) {
       light.glossy.push_back(level(roughness));
       if (progress) progress(double(light.glossy.size()) / double(roughnesses.size()));
     }
-    if (reflection == Reflection::sampled) light.sampled = sampled_levels(*map_);
-    known = std::make_shared<const Environment>(map_, lookup_, std::move(light));
+    if (reflection == Reflection::sampled) light.sampled = sampled_levels(*remainder_);
+    known = std::make_shared<const Environment>(map_, lookup_, std::move(light), remainder_);
   });
   return known;
 }
@@ -47,7 +60,7 @@ std::vector<DistantLight> PreparedEnvironment::distant(int count, const Progress
   const auto turn = wait_for_turn(in_use_, progress);
   const auto known = distant_.find(count);
   if (known != distant_.end()) return known->second;
-  isolate_tasks([&] { distant_[count] = distant_lights(*map_, count); });
+  isolate_tasks([&] { distant_[count] = distant_lights(*remainder_, count); });
   return distant_[count];
 }
 

@@ -21,10 +21,12 @@ namespace envmap {
 /// roughness, the lights that stand for it where shadows are found. Safe for several threads at once: they take turns.
 class PreparedEnvironment {
  public:
-  /// Level 0 of the map. @param progress may be empty. @throws InputError where a texel is NaN, infinite or negative.
-  explicit PreparedEnvironment(EnvironmentMap map, const Progress& progress = {});
+  /// Level 0 of the map. @param progress may be empty. @param suns of it that light surfaces in place of their texels.
+  /// @throws InputError where a texel is NaN, infinite or negative.
+  explicit PreparedEnvironment(EnvironmentMap map, const Progress& progress = {}, FoundLights suns = {});
 
   [[nodiscard]] const EnvironmentMap& map() const { return *map_; }
+  [[nodiscard]] const std::vector<DiscLight>& suns() const { return suns_; }
 
   /// @param roughnesses of glossy_levels.h. @param progress may be empty.
   [[nodiscard]] std::shared_ptr<const Environment> light(const std::vector<float>& roughnesses, Reflection reflection,
@@ -36,7 +38,8 @@ class PreparedEnvironment {
  private:
   std::shared_ptr<const PaddedLevel> level(float roughness) const;
 
-  std::shared_ptr<const EnvironmentMap> map_;
+  std::shared_ptr<const EnvironmentMap> map_, remainder_;  // The map without the suns; the map itself without any.
+  std::vector<DiscLight> suns_;
   EnvironmentLookup lookup_;
   std::array<Colour, 9> irradiance_;
   Prefilterer source_;

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "envmap/light/disc_angles.h"
 #include "envmap/maths/portable.h"
 #include "envmap/prefilter/brdf_table.h"
 #include "envmap/prefilter/harmonic_norms.h"
 #include "envmap/prefilter/harmonics.h"
+#include "envmap/prefilter/lobe_formulas.h"
 #include "envmap/prefilter/prefilter.h"
 #include "envmap/projection/visit.h"
 #include "envmap/sample/point.h"
@@ -138,8 +140,14 @@ Base base_of(const ShadingPoint& s, const Direction& v) {
           Flux(std::pow((s.ior - 1.0) / (s.ior + 1.0), 2)), s.ior > 1 ? 1.0 : 0.0};
 }
 
+// How a layer reflects a light.
+struct Glint {
+  double alpha;
+  double part = 1;  // The rest is in what the layer shows sharply.
+};
+
 // What leaves towards v of light of 1 across its way.
-Flux lit(const Base& b, const ShadingPoint& s, const Direction& v, const Direction& from) {
+Flux lit(const Base& b, const ShadingPoint& s, const Direction& v, const Direction& from, const Glint& glint) {
   const double nl = glm::dot(s.normal, from);
   if (nl <= 0) return Flux(0);
   const Direction h = glm::normalize(from + v);
@@ -147,7 +155,7 @@ Flux lit(const Base& b, const ShadingPoint& s, const Direction& v, const Directi
   const Flux of_plain = b.plain + (b.edge - b.plain) * side;
   const Flux fresnel = glm::mix(of_plain, b.colour + (1.0 - b.colour) * side, double(s.metallic));
   const Flux diffuse = (1.0 - of_plain) * (1.0 - s.transmission) / pi;
-  return nl * (diffuse * b.dielectric + fresnel * specular(alpha_of(s.roughness), s.normal, h, b.nv, nl));
+  return nl * (diffuse * b.dielectric + glint.part * fresnel * specular(glint.alpha, s.normal, h, b.nv, nl));
 }
 
 // White microfacets, of which `part` counts and covers the base: by the extension's text Fresnel's term is that of the
@@ -164,9 +172,10 @@ Coat coat_of(const ShadingPoint& s, const Direction& v) {
   return {nv, s.coat * (straight + (1 - straight) * schlick_weight(nv)), table.scale + table.bias};
 }
 
-double lit(const Coat& c, const ShadingPoint& s, const Direction& v, const Direction& from) {
+double lit(const Coat& c, const ShadingPoint& s, const Direction& v, const Direction& from, const Glint& glint) {
   const double nl = glm::dot(s.coat_normal, from);
-  return nl <= 0 ? 0 : nl * specular(alpha_of(s.coat_roughness), s.coat_normal, glm::normalize(from + v), c.nv, nl);
+  if (nl <= 0) return 0;
+  return nl * glint.part * specular(glint.alpha, s.coat_normal, glm::normalize(from + v), c.nv, nl);
 }
 
 // Fibres over the base: it keeps what they leave of light that comes, or of light that goes, whichever is less.
@@ -198,6 +207,21 @@ bool has_lobe(const Lighting& l, float roughness) {
   return l.integral != nullptr || !l.environment->light.sampled.empty();
 }
 
+// The part of a reflection that the environment gives as it is.
+double sharp_part(const Lighting& l, float roughness) {
+  if (l.environment == nullptr || has_lobe(l, roughness)) return 0;
+  const GlossyMix mix = glossy_mix(l.environment->light.roughnesses, roughness);
+  return mix.lower < 0 ? 1 - mix.part : 0;
+}
+
+// A part of a sun widens the lobe by half of its own radius, as half vectors turn half as far as the light: an estimate
+// that matters where the lobe is narrower than that part alone.
+Glint glint_of(const Lighting& l, const PlacedLight& light, float roughness, bool is_sharp) {
+  const double alpha = alpha_of(roughness);
+  if (light.spread == 0) return {alpha};
+  return {std::hypot(alpha, 0.5 * light.spread), is_sharp ? 0 : 1 - sharp_part(l, roughness)};
+}
+
 Flux sampled_radiance(const Lighting& l, const Direction& n, const Direction& v, float roughness, const Flux& f0,
                       double f90) {
   return Flux(l.ambient) + sampled_mean(l.environment->light.sampled, n, v, alpha_of(roughness), f0, f90);
@@ -224,6 +248,18 @@ Flux glossy_radiance(const Lighting& l, const Direction& from, double roughness)
   return ambient + (part < 1 ? (1 - part) * at(lower) : Flux(0)) + (part > 0 ? part * at(upper) : Flux(0));
 }
 
+Flux transmitted_radiance(const Lighting& l, const Direction& from, double roughness) {
+  Flux sum = glossy_radiance(l, from, roughness);
+  if (l.environment == nullptr || l.environment->light.suns.empty()) return sum;
+  const GlossyMix mix = glossy_mix(l.environment->light.roughnesses, roughness);
+  const double blurred = mix.lower < 0 ? mix.part : 1;
+  if (blurred == 0) return sum;
+  const Ggx lobe(roughness);
+  for (const DiscLight& sun : l.environment->light.suns)
+    sum += blurred * lobe.value(1 - glm::dot(from, sun.towards)) * sun.flux;
+  return sum;
+}
+
 std::vector<PlacedLight> placed_lights(const SceneGraph& scene, const Pose& pose) {
   std::vector<PlacedLight> placed;
   for (const PunctualLight& light : scene.lights) {
@@ -236,8 +272,38 @@ std::vector<PlacedLight> placed_lights(const SceneGraph& scene, const Pose& pose
   return placed;
 }
 
+// Vogel 1979, "A better way to construct the sunflower head": rings of the same area, the golden angle apart.
+std::vector<PlacedLight> sun_lights(std::span<const DiscLight> suns, int count) {
+  constexpr double golden_turns = 0.3819660112501051;
+  std::vector<PlacedLight> all;
+  for (const DiscLight& sun : suns) {
+    const Rotation frame = upright_about(sun.towards);
+    const double radius = sun.radius_degrees * pi / 180, s = portable::sin(0.5 * radius);
+    for (int k = 0; k < count; ++k) {
+      const double less = 2 * s * s * (k + 0.5) / count;  // 1 - cosine.
+      const double aside = std::sqrt(less * (2 - less)), turns = 2 * golden_turns * k;
+      const Direction from =
+          frame * Direction(aside * portable::cos_pi(turns), aside * portable::sin_pi(turns), 1 - less);
+      all.push_back({.kind = PunctualLight::Kind::directional,
+                     .position = Direction(0),
+                     .direction = -from,
+                     .intensity = Colour(sun.flux / double(count)),
+                     .range = 0,
+                     .inner = 1,
+                     .outer = 1,
+                     .spread = radius_of_disc(solid_angle_of_disc(radius) / count)});
+    }
+  }
+  return all;
+}
+
 Lighting lighting(const FrameState& shot, const EmbreeScene* obstacles) {
-  return {placed_lights(shot.scene, shot.pose), shot.environment, shot.ambient, obstacles, shot.shadows, shot.distant};
+  Lighting all{
+      placed_lights(shot.scene, shot.pose), shot.environment, shot.ambient, obstacles, shot.shadows, shot.distant};
+  if (shot.environment == nullptr) return all;
+  const std::vector<PlacedLight> suns = sun_lights(shot.environment->light.suns, rays_per_sun);
+  all.lights.insert(all.lights.end(), suns.begin(), suns.end());
+  return all;
 }
 
 bool in_shadow(const EmbreeScene& obstacles, const ShadingPoint& s, const PlacedLight& light) {
@@ -263,7 +329,7 @@ Flux unoccluded(const EmbreeScene& obstacles, const ShadingPoint& s, std::span<c
   return reached;
 }
 
-ShadingResult scatter(const ShadingPoint& s, const Direction& v, const Lighting& l) {
+ShadingResult scatter(const ShadingPoint& s, const Direction& v, const Lighting& l, const SharpLayers& sharp) {
   const Direction& n = s.normal;
   const Base base = base_of(s, v);
   const Coat coat = coat_of(s, v);
@@ -282,8 +348,8 @@ ShadingResult scatter(const ShadingPoint& s, const Direction& v, const Lighting&
   const Flux reached = l.obstacles != nullptr ? unoccluded(*l.obstacles, s, l.distant) : Flux(1);
   const Flux &plain = base.plain, rest = 1.0 - once(plain, base.edge) - later(plain, base.edge);
   const Flux irradiance = double(s.reached) * diffuse_light(l, n, reached);
-  const Flux even =
-      rest * base.dielectric * (1 - transmitted) + glm::mix(later(plain, base.edge), later(base.colour, 1), metallic);
+  const Flux bounced = glm::mix(later(plain, base.edge), later(base.colour, 1), metallic);
+  const Flux even = rest * base.dielectric * (1 - transmitted) + bounced;
   const Flux fibre_light = through * Flux(s.sheen) * cloth(s, v, l, fibres.albedo, reached, irradiance);
   ShadingResult out{.radiance = through * Flux(s.emissive) + fibre_light +
                                 (under * even + coat.part * (1 - coat.once)) * irradiance,
@@ -298,9 +364,12 @@ ShadingResult scatter(const ShadingPoint& s, const Direction& v, const Lighting&
     Direction from;
     const Flux there = arriving(light, s.position, from);
     if (glm::dot(s.smooth_normal, from) <= 0) continue;
-    Flux part = lit(base, s, v, from);
+    Flux part = lit(base, s, v, from, glint_of(l, light, s.roughness, sharp.base));
+    // What punctual lights lack by glTF's formulae, suns have as their texels did.
+    if (light.spread > 0) part += std::max(0.0, glm::dot(n, from)) / pi * bounced;
     if (fibres.most > 0) part = lit(fibres, s, v, from, part);
-    if (coat.part > 0) part = through * part + coat.part * lit(coat, s, v, from);
+    if (coat.part > 0)
+      part = through * part + coat.part * lit(coat, s, v, from, glint_of(l, light, s.coat_roughness, sharp.coat));
     if (part == Flux(0) || (l.obstacles != nullptr && l.shadows && in_shadow(*l.obstacles, s, light))) continue;
     out.radiance += there * part;
   }
@@ -336,7 +405,7 @@ Colour shade(const ShadingPoint& s, const Direction& v, const Lighting& l) {
   Flux sum = out.radiance + reflected_light(s, v, l, out);
   if (s.transmission > 0)
     sum += out.transmitted * transmittance(Flux(s.absorption), s.thickness) *
-           glossy_radiance(l, out.refracted, s.roughness);
+           transmitted_radiance(l, out.refracted, s.roughness);
   if (s.coat > 0) sum += coat_light(s, v, l, out);
   return Colour(sum);
 }

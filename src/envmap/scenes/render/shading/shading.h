@@ -15,6 +15,7 @@
 
 #include "envmap/base/run.h"
 #include "envmap/light/distant_lights.h"
+#include "envmap/light/lights.h"
 #include "envmap/operate/lookup.h"
 #include "envmap/sample/padded_level.h"
 #include "envmap/scenes/render/draw.h"
@@ -59,6 +60,8 @@ struct EnvironmentLight {
   std::vector<float> roughnesses;
   /// sampled_levels(): what surfaces reflect is sampled, all but rough glass. Empty: `glossy` stands for it.
   std::vector<PaddedLevel> sampled = {};
+  /// Lights of their own, with shadows: all above is of the map without them.
+  std::vector<DiscLight> suns = {};
 };
 
 /// EnvironmentLight::irradiance of a map.
@@ -88,13 +91,20 @@ struct Environment {
         lookup(map),
         light(environment_light(map, roughnesses, size, 4 * size, progress)) {}
   /// Of a map that others share.
-  Environment(std::shared_ptr<const EnvironmentMap> from, EnvironmentLookup look, EnvironmentLight given)
-      : source(std::move(from)), map(*source), lookup(std::move(look)), light(std::move(given)) {}
+  /// @param without the map without the light's suns; null: it has none.
+  Environment(std::shared_ptr<const EnvironmentMap> from, EnvironmentLookup look, EnvironmentLight given,
+              std::shared_ptr<const EnvironmentMap> without = nullptr)
+      : source(std::move(from)),
+        map(*source),
+        lookup(std::move(look)),
+        light(std::move(given)),
+        remainder(without ? std::move(without) : source) {}
 
   std::shared_ptr<const EnvironmentMap> source;
-  const EnvironmentMap& map;  ///< The source.
+  const EnvironmentMap& map;  ///< The source: what lies behind all, and what sharp reflections show.
   EnvironmentLookup lookup;
   EnvironmentLight light;
+  std::shared_ptr<const EnvironmentMap> remainder = source;  ///< What lights surfaces beside the light's suns.
 };
 
 /// Scale and bias of the split sum (prefilter/brdf_table.h), made once: columns cosine, rows roughness.
@@ -109,8 +119,16 @@ struct PlacedLight {
   double range;
   double inner, outer;  ///< Cosines of the half angles.
   int node = -1;        ///< What hangs on it casts no shadow of this light.
+  /// Of parts of suns (sun_lights()), else 0: the angular radius of such a part. Sharp reflections do not show them.
+  double spread = 0;
 };
 std::vector<PlacedLight> placed_lights(const SceneGraph& scene, const Pose& pose);
+
+/// How many directional lights stand for a sun where rays find shadows, and where shadow maps do.
+inline constexpr int rays_per_sun = 64, maps_per_sun = 16;
+
+/// So many directional lights for each sun, spread evenly over its disc: the half shadow has as many steps.
+std::vector<PlacedLight> sun_lights(std::span<const DiscLight> suns, int lights_per_sun);
 
 /// All that shines on a scene at one moment. What it points to must outlive it.
 struct Lighting {
@@ -145,14 +163,23 @@ struct ShadingResult {
   Direction mirrored{0}, refracted{0}, coat_mirrored{0};
 };
 
+/// Which layers of a surface show what is mirrored there: no glints of suns, which are in what they show.
+struct SharpLayers {
+  bool base = false, coat = false;
+};
+
 /// @param towards_viewer unit vector.
-ShadingResult scatter(const ShadingPoint& surface, const Direction& towards_viewer, const Lighting& lighting);
+ShadingResult scatter(const ShadingPoint& surface, const Direction& towards_viewer, const Lighting& lighting,
+                      const SharpLayers& sharp = {});
 
 /// The part of light that a way through a solid leaves. @param absorption Material::absorption. @param way metres.
 Flux transmittance(const Flux& absorption, double way);
 
 /// Radiance of the environment and of ambient light from a world direction, blurred by roughness.
 Flux glossy_radiance(const Lighting& lighting, const Direction& from, double roughness);
+
+/// The same as rough glass lets it through: with the suns.
+Flux transmitted_radiance(const Lighting& lighting, const Direction& from, double roughness);
 
 /// What the base reflects, and what the coat does, of the environment and of ambient light.
 /// @param scattered by scatter().
