@@ -1,8 +1,11 @@
 // Folders for engines: each map is looked up as the engine's own shader does, written down here once more.
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <csignal>
+#include <cstdint>
+#include <cstring>
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -48,10 +51,17 @@ const Lookup lookups[] = {
      [](const Vec& d) {  // Its world: (x, -z, y).
        return Place{0.5 - std::atan2(-d[2], d[0]) / (2 * pi), 0.5 - std::atan2(d[1], std::hypot(d[0], d[2])) / pi};
      }},
+    // (x, z, -y) of its Z-up world, which is (x, -z, y) of the probe, goes to a cube texture: the map's own axes.
+    {"cesium", "specular.ktx2", "",
+     [](const Vec& d) {
+       const Vec world{d[0], -d[2], d[1]};
+       return unfolded(world[0], world[2], -world[1]);
+     }},
     {"filament", "sky.ktx", "", [](const Vec& d) { return unfolded(d[0], d[1], d[2]); }},
     // A cube texture takes the direction itself.
     {"glsl", "background.ktx2", "envmap.glsl", [](const Vec& d) { return unfolded(d[0], d[1], d[2]); }},
     {"gltf", "light.glb", "", [](const Vec& d) { return unfolded(d[0], d[1], d[2]); }},
+    {"gltf-viewer", "ggx.ktx2", "", [](const Vec& d) { return unfolded(d[0], d[1], d[2]); }},
     {"godot", "background.exr", "environment.tres",
      [](const Vec& d) {
        const double turn = std::atan2(d[0], -d[2]) / (2 * pi);
@@ -134,9 +144,12 @@ TEST_F(Bake, ChainsHoldTheRoughnessOfEachLevel) {
     int level, size;
     double roughness;
   };
-  for (const Wanted& w : {Wanted{"filament", "ibl.ktx", 2, 8, 1 - std::sqrt(0.5)}, {"filament", "ibl.ktx", 4, 2, 1},
+  for (const Wanted& w : {Wanted{"filament", "ibl.ktx", 2, 8, 1 - std::sqrt(0.5)},
+                          {"filament", "ibl.ktx", 4, 2, 1},
                           {"babylon", "environment.dds", 2, 8, std::sqrt(std::pow(2, 2.5) / 32)},
-                          {"babylon", "environment.dds", 4, 2, 1}}) {
+                          {"babylon", "environment.dds", 4, 2, 1},
+                          {"cesium", "specular.ktx2", 2, 8, 0.5},
+                          {"gltf-viewer", "ggx.ktx2", 3, 4, 0.75}}) {
     SCOPED_TRACE(w.engine + " " + std::to_string(w.level));
     succeeds({"bake", "probe.exr", w.engine, "--for", w.engine, "--chain-size", "32", "-q"});
     succeeds({"convert", w.engine + "/" + w.chain, "level.exr", "--level", std::to_string(w.level), "--filter",
@@ -180,9 +193,118 @@ TEST_F(Bake, BevysDiffuseMapIsTheIrradianceMirroredInZ) {
     EXPECT_NEAR(at(found, d[0], d[1], -d[2]), at(wanted, d[0], d[1], d[2]), 4e-3 * at(wanted, d[0], d[1], d[2]));
 }
 
+// What glTF-IBL-Sampler makes, by its definitions: a cosine, the sheen of each level, and two tables whose columns are
+// cosines and whose rows are roughnesses.
+TEST_F(Bake, TheViewerOfGltfGetsDiffuseLightSheenAndTables) {
+  succeeds({"generate", "sun", "probe.exr", "--to", "cube", "--size", "32", "--radius", "20", "--direction", "1,2,3",
+            "--value", "20"});
+  succeeds({"bake", "probe.exr", "lights", "--for", "gltf-viewer", "--chain-size", "32", "-q"});
+  const auto same = [&](const std::string& file, const std::string& level, const std::vector<std::string>& lobe) {
+    succeeds({"convert", "lights/" + file, "found.exr", "--level", level, "--filter", "nearest", "--depth", "float"});
+    std::vector<std::string> wanted{"prefilter", "probe.exr", "wanted.exr", "--method",
+                                    "exact",     "--depth",   "float",      "-q"};
+    wanted.insert(wanted.end(), lobe.begin(), lobe.end());
+    succeeds(wanted);
+    succeeds({"compare", "found.exr", "wanted.exr", "--max-error", "4e-3"});
+  };
+  same("lambertian.ktx2", "0", {"--lobe", "diffuse", "--size", "64"});
+  same("charlie.ktx2", "2", {"--lobe", "charlie", "--roughness", "0.5", "--size", "8"});
+  same("charlie.ktx2", "4", {"--lobe", "charlie", "--roughness", "1", "--size", "2"});
+  const Picture ggx = load(path("lights/lut_ggx.exr")), sheen = load(path("lights/lut_sheen.exr"));
+  ASSERT_EQ(ggx.width, 128);
+  ASSERT_EQ(sheen.height, 128);
+  for (const int column : {40, 90, 127}) {  // A mirror: Schlick's Fresnel term alone.
+    const double cosine = (column + 0.5) / 128, grazing = std::pow(1 - cosine, 5);
+    EXPECT_NEAR(ggx.at(column, 0)[0], 1 - grazing, 2e-3);
+    EXPECT_NEAR(ggx.at(column, 0)[1], grazing, 2e-3);
+  }
+  for (const int row : {64, 127}) {  // Seen head-on, the half vector lies half-way to the light, and V is 1/4.
+    const double roughness = (row + 0.5) / 128, power = 1 / (roughness * roughness);
+    double albedo = 0;
+    constexpr int steps = 10000;
+    for (int k = 0; k < steps; ++k) {
+      const double angle = (k + 0.5) / steps * pi / 2;
+      albedo += (2 + power) * std::pow(std::sin(angle / 2), power) / 4 * std::cos(angle) * std::sin(angle) * pi / 2;
+    }
+    albedo /= steps;
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(sheen.at(127, row)[c], albedo, 0.01 * albedo);
+  }
+}
+
+// A cube of irradiance behind the levels of an .env file, and the mean direction of the light with X negated. The faces
+// are read by a header that says that they are the levels.
+TEST_F(Bake, BabylonsIrradianceIsACubeWithTheDirectionOfTheLight) {
+  const auto bake = [&](const std::string& folder) {
+    succeeds({"bake", "probe.exr", folder, "--for", "babylon-env", "--chain-size", "16", "-q"});
+    const std::string file = read(folder + "/environment.env");
+    const std::size_t end = file.find('\0');
+    return std::pair{nlohmann::ordered_json::parse(file.substr(8, end - 8)), file.substr(end + 1)};
+  };
+  succeeds({"generate", "sun", "probe.exr", "--to", "cube", "--size", "64", "--radius", "3", "--direction", "1,2,3",
+            "--value", "200", "--zenith", "0", "--ground", "0"});
+  auto [header, images] = bake("sun");
+  const auto& cube = header["irradiance"]["irradianceTexture"];
+  EXPECT_EQ(cube["size"], 64);
+  ASSERT_EQ(cube["faces"].size(), 6);
+  const auto& last = header["specular"]["mipmaps"].back();
+  std::size_t position = last["position"].get<std::size_t>() + last["length"].get<std::size_t>();
+  for (const auto& face : cube["faces"]) {
+    EXPECT_EQ(face["position"], position);
+    EXPECT_EQ(images.substr(position, 4), "\x89PNG");
+    position += face["length"].get<std::size_t>();
+  }
+  EXPECT_EQ(position, images.size());
+  const double length = std::sqrt(14);
+  for (const auto& [k, wanted] : {std::pair{0, -1 / length}, {1, 2 / length}, {2, 3 / length}})
+    EXPECT_NEAR(cube["dominantDirection"][std::size_t(k)].get<double>(), wanted, 3e-3);
+  auto levels = header;
+  levels["specular"]["mipmaps"] = cube["faces"];
+  levels["irradiance"] = nullptr;
+  write("faces.env", read("sun/environment.env").substr(0, 8) + levels.dump() + std::string(1, '\0') + images);
+  succeeds({"convert", "faces.env", "found.exr", "--level", "0", "--filter", "nearest", "--depth", "float"});
+  succeeds({"prefilter", "probe.exr", "wanted.exr", "--lobe", "diffuse", "--size", "64", "--depth", "float", "-q"});
+  const Picture found = load(path("found.exr")), wanted = load(path("wanted.exr"));
+  EXPECT_LT(difference(found, wanted), 0.01 * *std::max_element(wanted.values.begin(), wanted.values.end()));
+  // Light from all sides has no direction, and a shader that divides by its length would show nothing.
+  succeeds({"generate", "constant", "probe.exr", "--to", "cube", "--size", "16", "--value", "1"});
+  EXPECT_FALSE(bake("white").first["irradiance"]["irradianceTexture"].contains("dominantDirection"));
+}
+
 TEST_F(Bake, StandardOutputHoldsNoFolder) {
   succeeds({"generate", "sky", "probe.exr", "--size", "8"});
   fails(2, {"bake", "probe.exr", "-", "--for", "unity"}, {"standard output", "name of a folder"});
+}
+
+// CesiumJS adds up the nine colours of irradiance.txt as czm_sphericalHarmonics() does, with its own order of terms:
+// the irradiance over pi of the map, here a polynomial to degree 2. Its texels are halves in four channels.
+TEST_F(Bake, CesiumsCoefficientsAreTheIrradiance) {
+  succeeds({"generate", "sh", "probe.exr", "--to", "cube", "--size", "64", "--degree", "1", "--order", "-1",
+            "--amplitude", "0.3"});
+  succeeds({"bake", "probe.exr", "lights", "--for", "cesium", "--chain-size", "16", "-q"});
+  std::istringstream numbers(read("lights/irradiance.txt"));
+  std::array<std::array<double, 3>, 9> c{};
+  for (auto& colour : c)
+    for (double& number : colour) ASSERT_TRUE(numbers >> number);
+  succeeds({"prefilter", "probe.exr", "diffuse.exr", "--lobe", "diffuse", "--size", "8", "--method", "exact", "--depth",
+            "float", "-q"});
+  const Picture wanted = load(path("diffuse.exr"));
+  for (int j = 0; j < 8; ++j)
+    for (int i = 0; i < 8; ++i) {  // Face +X: right is +Z, up is +Y.
+      const double s = (i + 0.5) / 4 - 1, t = 1 - (j + 0.5) / 4, length = std::sqrt(1 + s * s + t * t);
+      const double x = 1 / length, y = t / length, z = s / length;
+      const double sum = c[0][0] + c[1][0] * y + c[2][0] * z + c[3][0] * x + c[4][0] * (y * x) + c[5][0] * (y * z) +
+                         c[6][0] * (3 * z * z - 1) + c[7][0] * (z * x) + c[8][0] * (x * x - y * y);
+      EXPECT_NEAR(sum, wanted.at(i, j)[0], 2e-3);
+    }
+  const std::string file = read("lights/specular.ktx2");
+  std::uint32_t header[9];  // vkFormat, typeSize, width, height, depth, layers, faces, levels, supercompression.
+  std::memcpy(header, file.data() + 12, sizeof header);
+  EXPECT_EQ(header[0], 97);  // VK_FORMAT_R16G16B16A16_SFLOAT, which transcodeKTX2.js knows.
+  EXPECT_EQ(header[1], 2);
+  EXPECT_EQ(header[5], 0);
+  EXPECT_EQ(header[6], 6);
+  EXPECT_EQ(header[7], 5);
+  EXPECT_EQ(header[8], 0);
 }
 
 // Of Filament's nine colours: what they give is the irradiance over pi of the map,
@@ -245,6 +367,48 @@ TEST_F(Bake, FoldersAppearWholeOrNotAtAll) {
   fails(2, {"bake", "probe.exr"}, {"FOLDER"});
   fails(2, {"bake", "probe.exr", "probe.exr", "--for", "usd"}, {"probe.exr"});
   fails(4, {"bake", "probe.exr", "probe.exr/other", "--for", "usd"}, {"probe.exr/other"});
+}
+
+// What bake wrote for an engine the next bake for it replaces, whatever the files of either; but no file besides.
+TEST_F(Bake, ReplacesWhatAnEarlierBakeOfItsEngineWrote) {
+  succeeds({"generate", "sun", "probe.exr", "--size", "128", "--radius", "4", "--value", "50"});
+  const std::vector<std::string> panorama{"lights/", "lights/README.txt", "lights/background.exr"},
+      cubes{"lights/", "lights/README.txt", "lights/background.ktx2", "lights/environment.ktx2"};
+  const auto holds = [&](std::vector<std::string> wanted) {
+    wanted.emplace_back("probe.exr");
+    EXPECT_EQ(names(), wanted);
+  };
+  const auto bake = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> command{"bake",      "probe.exr", "lights", "--for", "three",
+                                     "--quality", "draft",     "--size", "16",    "-q"};
+    command.insert(command.end(), more.begin(), more.end());
+    return command;
+  };
+  succeeds(bake({"--latlong"}));
+  write("lights/background.exr.import", "godot");
+  succeeds(bake({}));
+  holds(cubes);  // What lay beside the panorama went with it.
+  succeeds(bake({"--suns"}));
+  EXPECT_TRUE(std::filesystem::exists(path("lights/suns.js")));
+  succeeds(bake({"--if-changed"}));
+  holds(cubes);
+  const auto before = std::filesystem::last_write_time(path("lights"));
+  succeeds(bake({"--if-changed"}));
+  EXPECT_EQ(std::filesystem::last_write_time(path("lights")), before);
+  succeeds(bake({"--latlong", "--if-changed"}));
+  holds(panorama);
+  // Another engine's folder, a file that bake did not write, and a folder of the name of one are left.
+  fails(2, {"bake", "probe.exr", "lights", "--for", "filament"}, {"lights", "contains background.exr"});
+  std::filesystem::create_directory(path("lights/environment.ktx2"));
+  fails(2, bake({}), {"lights", "contains environment.ktx2"});
+  std::filesystem::remove(path("lights/environment.ktx2"));
+  write("lights/README.txt", "mine");
+  fails(2, bake({}), {"lights", "contains background.exr"});
+  succeeds(bake({"--latlong"}));
+  std::filesystem::permissions(path("lights/background.exr"), std::filesystem::perms(0444));
+  fails(4, bake({}), {"lights/background.exr", "read-only", "--force"});
+  succeeds(bake({"--force"}));
+  holds(cubes);
 }
 
 TEST_F(Bake, KeepsWhatEnginesWriteBesideItsFiles) {

@@ -194,6 +194,32 @@ TEST_F(EngineOption, WhatADepthCannotHoldIsRefusedWithAWayOut) {
         {"ibl.ktx", "half", "--depth float"});
 }
 
+// No error that was asked for helps against a value that the depth does not hold: the message has that value.
+TEST_F(EngineOption, ValuesBeyondTheDepthAreNoMatterOfMaxError) {
+  succeeds({"generate", "sun", "probe.exr", "--size", "128", "--radius", "4", "--value", "1e6"});
+  const auto refused = [&](const std::vector<std::string>& command, const std::vector<std::string>& words) {
+    fails(1, command, words);
+    const std::string said = envmap(command).err;
+    EXPECT_EQ(said.find("inf"), std::string::npos) << said;
+    EXPECT_EQ(said.find("raise --max-error"), std::string::npos) << said;
+    EXPECT_EQ(said.find("--depth half"), std::string::npos) << said;
+  };
+  const std::vector<std::string> filament{"bake",         "probe.exr", "lights",      "--for", "filament",
+                                          "--chain-size", "16",        "--max-error", "0.1",   "-q"};
+  refused(filament, {"lights/sky.ktx", "largest value is 1e+06", "half holds values up to 65504", "lower --exposure",
+                     "--suns", "--depth float"});
+  refused({"bake", "probe.exr", "lights", "--for", "three", "--max-error", "0.1"},
+          {"lights/background.ktx2", "1e+06", "uastc-hdr", "65504", "lower --exposure or use --suns"});
+  refused({"prefilter", "probe.exr", "ibl.ktx2", "--lobe", "ggx", "--roughness", "0.1", "--depth", "half",
+           "--max-error", "0.1"},
+          {"ibl.ktx2", "half holds values up to 65504", "--depth float"});
+  for (const auto& more : std::vector<std::vector<std::string>>{{"--exposure", "-4"}, {"--suns"}}) {
+    std::vector<std::string> command = filament;
+    command.insert(command.end(), more.begin(), more.end());
+    succeeds(command);
+  }
+}
+
 TEST_F(EngineOption, SunsBeyondHalfAreRefusedWithWaysOutThatAreThere) {
   succeeds({"generate", "sun", "probe.exr", "--size", "32", "--radius", "20", "--value", "1e6"});
   const std::vector<std::string> bake{"bake", "probe.exr", "lights", "--for", "filament", "--chain-size", "16", "-q"};

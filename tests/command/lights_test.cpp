@@ -1,6 +1,9 @@
 // `lights`, `bake --suns` and `convert --restore-sun` as their users run them.
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <filesystem>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -96,6 +99,41 @@ TEST_F(Lights, LeaveTheMapsOfABakeAndStandBesideThem) {
                                                 : "background.exr";
     EXPECT_LT(report({"info", engine + "/" + map})["maximum"][0].get<double>(), 1.2);
     EXPECT_EQ(report({"bake", "sun.exr", engine, "--for", engine, "--suns", "-q"})["suns"].size(), 1);  // Replaces it.
+  }
+}
+
+// Every row of the engines brings its suns in the file of the engine, whichever maps the row has: a script that adds
+// them, a scene or a stage; a table only where the engine has none of these.
+TEST_F(Lights, StandInTheFileOfTheEngineInEveryRow) {
+  const std::map<std::string, std::array<std::string, 2>> files{{"babylon", {"suns.js", "BABYLON.DirectionalLight"}},
+                                                                {"bevy", {"suns.txt", "axes of Bevy"}},
+                                                                {"blender", {"world.py", "bpy.data.lights.new"}},
+                                                                {"cesium", {"suns.txt", "axes of CesiumJS"}},
+                                                                {"filament", {"suns.txt", "axes of Filament"}},
+                                                                {"glsl", {"suns.txt", "axes of GLSL"}},
+                                                                {"gltf", {"suns.gltf", "KHR_lights_punctual"}},
+                                                                {"godot", {"suns.tscn", "DirectionalLight3D"}},
+                                                                {"hlsl", {"suns.txt", "axes of HLSL"}},
+                                                                {"pbrt", {"suns.txt", "axes of pbrt-v4"}},
+                                                                {"playcanvas", {"suns.txt", "axes of PlayCanvas"}},
+                                                                {"three", {"suns.js", "THREE.DirectionalLight"}},
+                                                                {"unity", {"suns.txt", "axes of Unity"}},
+                                                                {"unreal", {"suns.txt", "axes of Unreal"}},
+                                                                {"usd", {"light.usda", "DistantLight"}}};
+  make_sun();
+  const auto rows = report({"bake", "--list"})["engines"];
+  ASSERT_GT(rows.size(), files.size());
+  for (const auto& row : rows) {
+    const std::string engine = row["name"];
+    SCOPED_TRACE(engine);
+    const auto wanted = files.find(engine.substr(0, engine.find('-')));
+    ASSERT_NE(wanted, files.end());
+    const auto& [file, word] = wanted->second;
+    succeeds({"bake", "sun.exr", engine, "--for", engine, "--suns", "--chain-size", "16", "--quality", "draft", "-q"});
+    EXPECT_NE(read(engine + "/" + file).find(word), std::string::npos);
+    EXPECT_NE(read(engine + "/README.txt").find("Suns: " + file), std::string::npos);
+    for (const char* const other : {"suns.txt", "suns.js", "suns.gltf", "suns.tscn"})
+      EXPECT_EQ(std::filesystem::exists(path(engine + "/" + other)), other == file) << other;
   }
 }
 

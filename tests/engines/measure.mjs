@@ -1,6 +1,7 @@
 // What is asked of every engine. An engine's module has
 //   world(d)      where a direction of the probe stands in the engine's world;
 //   roughness     of its levels, where it takes them as they are: between levels it mixes two lobes, which is no lobe of GGX;
+//   sky           false where the folder has none to show;
 //   limits        what it is held to, where that is not `common` below, each with the reason beside it;
 //   open(folder)  -> { render(shot) }: loads a baked folder. A shot is
 //     { eye, target, up, fov (degrees), size (pixels), ball: null or { metallic, roughness } of radius 1 at the origin,
@@ -37,25 +38,27 @@ const facing = async (scene, d, ball, exposure = 1) =>
 // 0.5 + d / 3 by Lambert's law.
 async function directions(engine, folder) {
   const start = performance.now(), scene = await engine.open(folder);
-  await look(scene, engine.world([0, 0, 1]));
+  const first_look = engine.world([0, 0, 1]);
+  await (engine.sky === false ? facing(scene, first_look, { metallic: 1, roughness: 0 }) : look(scene, first_look));
   const first_picture_ms = performance.now() - start;
-  const shown = { sky: 0, mirror: 0, diffuse: 0 };
+  const shown = { mirror: 0, diffuse: 0 };
   for (const d of all) {
     const w = engine.world(d), colour = d.map((x) => 0.5 + 0.5 * x), lit = d.map((x) => 0.5 + x / 3);
-    shown.sky = Math.max(shown.sky, off(await look(scene, w), colour));
+    if (engine.sky !== false) shown.sky = Math.max(shown.sky ?? 0, off(await look(scene, w), colour));
     shown.mirror = Math.max(shown.mirror, off(await facing(scene, w, { metallic: 1, roughness: 0 }), colour));
     shown.diffuse = Math.max(shown.diffuse, off(await facing(scene, w, { metallic: 0, roughness: 1 }), lit));
   }
   return { shown, first_picture_ms };
 }
 
-// White everywhere: how far balls stand out, relative to white, anywhere on them.
+// White everywhere: how far balls stand out, relative to white, anywhere on them. Without a sky the ball fills the picture.
 async function furnace(engine, folder) {
+  const fov = engine.sky === false ? 8 : 11;
   const scene = await engine.open(folder), found = {};
   for (const metallic of [1, 0])
     for (const roughness of [0, 0.25, 0.5, 0.75, 1]) {
       const pixels = await scene.render({
-        eye: [0, 0, 10], target: [0, 0, 0], up: [0, 1, 0], fov: 11, size: 96, ball: { metallic, roughness }, exposure: 0.8 });
+        eye: [0, 0, 10], target: [0, 0, 0], up: [0, 1, 0], fov, size: 96, ball: { metallic, roughness }, exposure: 0.8 });
       let most = 0;
       for (let k = 0; k < pixels.length; ++k) if (k % 4 < 3) most = Math.max(most, Math.abs(pixels[k] - 1));
       found[`${metallic ? 'metal' : 'dielectric'} ${roughness}`] = most;

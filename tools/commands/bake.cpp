@@ -56,17 +56,27 @@ int list(const std::string& which, Report& report) {
   return 0;
 }
 
+// A depth that holds the error in the file at fault, if its engine takes one. @param error that it may have.
+std::string depth_that_helps(const AccuracyError& e, const BakeRequest& o, double error) {
+  for (const EngineMap& map : o.engine->maps) {
+    if (e.file() != o.folder + "/" + std::string(map.file) || map.only_depth) continue;
+    WriteOptions how = o.maps.write;
+    if (!how.depth) how.depth = map.depth;
+    return depth_for_error(e.file(), how, error);
+  }
+  return "";
+}
+
 // What the file of an engine needs to hold an error.
 AccuracyError with_remedy(const AccuracyError& e, const BakeRequest& o) {
-  WriteOptions how = o.maps.write;
-  std::string depth;
-  for (const EngineMap& map : o.engine->maps) {
-    if (e.file() != o.folder + "/" + std::string(map.file)) continue;
-    if (map.only_depth) return AccuracyError(fmt::format("{}: raise --max-error", e.what()));
-    if (!how.depth) how.depth = map.depth;
-    depth = depth_for_error(e.file(), how, *o.maps.max_error);
-  }
-  return AccuracyError(fmt::format("{}: raise --max-error{}", e.what(), depth.empty() ? "" : " or use " + depth));
+  const bool too_bright = e.remedy() == Remedy::clamp_or_dim;
+  std::vector<std::string> ways{too_bright ? "lower --exposure" : "raise --max-error"};
+  if (too_bright && !o.suns) ways.emplace_back("use --suns");
+  const double error = too_bright ? below_half : *o.maps.max_error;
+  if (const std::string depth = depth_that_helps(e, o, error); !depth.empty()) ways.push_back("use " + depth);
+  const std::string last = ways.back();
+  ways.pop_back();
+  return AccuracyError(fmt::format("{}: {}{}{}", e.what(), fmt::join(ways, ", "), ways.empty() ? "" : " or ", last));
 }
 
 std::vector<BakedFile> bake_folder(const BakeRequest& o, EnvironmentMap probe) {

@@ -126,8 +126,9 @@ Facts record(const std::vector<PrefilterOptions>& levels) {
 }
 
 // The file does not hold what --max-error asks for: says which depth does.
-[[noreturn]] void refuse(const Request& o, const std::string& what) {
-  std::string depth = depth_for_error(o.output, o.write, *o.max_error);
+[[noreturn]] void refuse(const Request& o, const AccuracyError& e, const std::string& what) {
+  const bool too_bright = e.remedy() == Remedy::clamp_or_dim;
+  std::string depth = depth_for_error(o.output, o.write, too_bright ? below_half : *o.max_error);
   if (depth.empty()) depth = "an .exr file with --depth float";
   const std::optional<Rounding> rounding = rounding_of(o.output, o.write);
   const bool exact = rounding && !rounding->read_back;
@@ -185,7 +186,7 @@ void leave_to_prefilter(Request& o, const ErrorBudget& error) {
   try {
     if (o.max_error) o.map.max_error = left_to_prefilter(error);
   } catch (const AccuracyError& e) {
-    refuse(o, e.what());
+    refuse(o, e, e.what());
   }
 }
 
@@ -267,7 +268,7 @@ EnvironmentMap make_levels(const Request& o, const EngineMap* engine, const Envi
         note(fmt::format("{}: in the file as {}", words(p.lobe), rounding_words(*budget.rounding, level.rounded)));
       made.levels.push_back(std::move(level.done.map.base()));
     } catch (const AccuracyError& e) {
-      refuse(o, fmt::format("{}: {}", words(p.lobe), e.what()));
+      refuse(o, e, fmt::format("{}: {}", words(p.lobe), e.what()));
     }
   }
   return made;

@@ -41,6 +41,9 @@ void add_output_space(Options& o, envmap::WriteOptions& write);                 
 /// The size of a map without its border. @throws UsageError where nothing is left.
 int size_inside_border(int size, const envmap::WriteOptions& write);
 
+/// An error that half does not hold, for depth_for_error() where a value is beyond half's range.
+inline constexpr double below_half = 0x1p-12;
+
 /// "--depth half": the least depth and what else of the options must go, so that the file holds an error;
 /// empty where its format has none.
 std::string depth_for_error(const std::string& path, const envmap::WriteOptions& options, double max_error);

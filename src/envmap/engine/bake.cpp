@@ -1,6 +1,12 @@
 #include "envmap/engine/bake.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <sstream>
 
 #include "envmap/base/error.h"
 #include "envmap/base/part_progress.h"
@@ -21,6 +27,22 @@ namespace envmap {
 namespace {
 
 constexpr std::string_view readme = "README.txt";
+
+// README.txt ends with a line of the folder's files, by which the next bake knows what it may replace.
+std::string files_key(const Engine& engine) { return fmt::format("Files for {}: ", family_of(engine)); }
+
+// What an earlier bake for this engine says that it wrote.
+std::vector<std::string> files_there(const std::string& folder, const Engine& engine) {
+  std::vector<std::string> files;
+  std::ifstream text(folder + "/" + std::string(readme));
+  const std::string key = files_key(engine);
+  for (std::string line; std::getline(text, line);) {
+    if (!line.starts_with(key)) continue;
+    std::istringstream names(line.substr(key.size()));
+    files.assign(std::istream_iterator<std::string>(names), {});
+  }
+  return files;
+}
 
 std::string readme_text(const Engine& e, const std::vector<BakedFile>& maps, double exposure) {
   std::string text = fmt::format("Light for {} ({}): linear RGB radiance{}.\n\n", e.title, e.version,
@@ -92,7 +114,8 @@ BakedFile bake_map(const EngineMap& map, Baker& baker, const OutputFolder& folde
   } catch (const OutputError& e) {
     throw folder.with_final_path(e, map.file);
   } catch (const AccuracyError& e) {
-    throw AccuracyError(shown, fmt::format("an error of {:g} cannot be met: {}", *options.max_error, e.what()));
+    throw AccuracyError(shown, fmt::format("an error of {:g} cannot be met: {}", *options.max_error, e.what()),
+                        e.remedy());
   }
 }
 
@@ -100,11 +123,16 @@ BakedFile bake_map(const EngineMap& map, Baker& baker, const OutputFolder& folde
 void write_tables(const Engine& engine, const EnvironmentMap& probe, const OutputFolder& folder,
                   const CommitOptions& commit) {
   constexpr int size = 128;
-  try {
-    if (!engine.table.empty()) write_table(folder.file(engine.table), brdf_table(size), size, "ggx", commit);
-  } catch (const OutputError& e) {
-    throw folder.with_final_path(e, engine.table);
-  }
+  const auto write = [&](std::string_view file, const char* lobe, auto table) {
+    if (file.empty()) return;
+    try {
+      write_table(folder.file(file), table(size, Run{}), size, lobe, commit);
+    } catch (const OutputError& e) {
+      throw folder.with_final_path(e, file);
+    }
+  };
+  write(engine.table, "ggx", brdf_table);
+  write(engine.sheen, "charlie", sheen_table);
   if (!engine.irradiance.empty())
     folder.write(engine.irradiance, harmonics_pair(IrradianceForm::filament, irradiance_polynomial(probe, {})).second);
 }
@@ -134,7 +162,7 @@ std::vector<std::string> files_of(const Engine& engine) {
   std::vector<std::string> files;
   for (const EngineMap& map : engine.maps) files.emplace_back(map.file);
   files.emplace_back(readme);
-  for (const std::string_view file : {engine.text.name, engine.table, engine.irradiance})
+  for (const std::string_view file : {engine.text.name, engine.table, engine.sheen, engine.irradiance})
     if (!file.empty()) files.emplace_back(file);
   return files;
 }
@@ -165,7 +193,8 @@ std::vector<BakedFile> bake(EnvironmentMap probe, const Engine& engine, const st
       expose(*options.suns, portable::exp2(options.exposure));
     }
     expose(probe, options.exposure, options.write.provenance);
-    OutputFolder out(folder, files_of(engine, options), options.write.commit);
+    const std::vector<std::string> files = files_of(engine, options);
+    OutputFolder out(folder, files, files_there(folder, engine), options.write.commit);
     Baker baker(probe, options);
     std::vector<BakedFile> baked;
     const double share = 1 / double(engine.maps.size());
@@ -180,7 +209,7 @@ std::vector<BakedFile> bake(EnvironmentMap probe, const Engine& engine, const st
       out.write(name, text);
       about += suns_text(engine, *options.suns, error);
     }
-    out.write(readme, about);
+    out.write(readme, about + fmt::format("{}{}\n", files_key(engine), fmt::join(files, " ")));
     out.commit();
     return baked;
   });

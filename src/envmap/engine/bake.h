@@ -54,7 +54,8 @@ std::vector<std::string> files_of(const Engine& engine);
 /// With the file of the suns, where the options have some.
 std::vector<std::string> files_of(const Engine& engine, const BakeOptions& options);
 
-/// Makes the folder, which appears whole or not at all; one that holds the same files is replaced.
+/// Makes the folder, which appears whole or not at all. One is replaced that holds no other files than these and those
+/// that an earlier bake for this engine wrote, by the last line of its README.txt.
 /// @throws UsageError where a field is out of its range or the folder holds other files, InputError where a texel is
 /// NaN or infinite, or negative and the engine has rough or diffuse light, OutputError where a file cannot be written,
 /// AccuracyError where `max_error` cannot be met.

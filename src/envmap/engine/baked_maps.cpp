@@ -7,6 +7,7 @@
 
 #include "envmap/base/error.h"
 #include "envmap/base/part_progress.h"
+#include "envmap/engine/babylon_irradiance.h"
 #include "envmap/engine/irradiance.h"
 #include "envmap/engine/level_roughness.h"
 #include "envmap/operate/convert.h"
@@ -58,7 +59,10 @@ std::optional<Rounding> mirrored(const std::optional<Rounding>& rounding, Mirror
 std::map<std::string, std::string> irradiance_pairs(const EngineMap& map, const EnvironmentMap& source,
                                                     const Progress& progress) {
   if (!map.chain || map.chain->irradiance == IrradianceForm::none) return {};
-  return {harmonics_pair(map.chain->irradiance, irradiance_polynomial(source, progress))};
+  std::map<std::string, std::string> pairs{
+      harmonics_pair(map.chain->irradiance, irradiance_polynomial(source, progress))};
+  if (map.chain->irradiance == IrradianceForm::babylon) pairs.merge(babylon_irradiance(source));
+  return pairs;
 }
 
 Baker::Baker(const EnvironmentMap& source, const BakeOptions& options) : source_(source), options_(options) {}
@@ -84,12 +88,13 @@ BakedMap Baker::environment(const EngineMap& wanted, const ErrorBudget& budget) 
 BakedMap Baker::chain(const EngineMap& wanted, const ErrorBudget& budget, const Progress& progress) {
   const int base = options_.chain_size.value_or(scaled(wanted.chain->size, options_.quality.chain));
   const std::vector<double> roughnesses = level_roughnesses(wanted, base, {}, "chain_size");
-  BakedMap made{.facts = {{"lobe", "ggx"}}};
+  const LobeShape shape = wanted.chain->lobe;
+  BakedMap made{.facts = {{"lobe", std::string(lobe_shape_names[std::size_t(shape)])}}};
   for (std::size_t k = 0; k < roughnesses.size(); ++k) {
     made.facts["roughness"] += fmt::format("{}{:g}", k == 0 ? "" : ",", roughnesses[k]);
     const int size = base >> k;
     const double share = 1 / double(roughnesses.size());
-    const PrefilterOptions wanted_level{.lobe = Lobe::ggx(roughnesses[k]), .to = wanted.frame.projection, .size = size};
+    const PrefilterOptions wanted_level{.lobe = Lobe(shape, roughnesses[k]), .to = wanted.frame.projection, .size = size};
     LevelInFile level = wanted_level.lobe.is_mirror()
                             ? resample_level(source_, wanted.frame, size, budget, false)
                             : lobe(wanted_level, budget, part_progress(progress, share * double(k), share));

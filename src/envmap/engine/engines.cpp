@@ -20,8 +20,12 @@ double babylon_roughness(int k, int /*n*/, int size) {
   return k == 0 ? 0 : std::min(1.0, std::sqrt(portable::exp2(k / 0.8) / size));
 }
 
-// Bevy: lod / (n - 1) = r.
+// Bevy, CesiumJS, glTF-IBL-Sampler: lod / (n - 1) = r.
 double even_roughness(int k, int n, int /*size*/) { return double(k) / (n - 1); }
+
+// glTF-IBL-Sampler's Charlie. Its level of roughness 0 is black: the lobe has sunk below the horizon. The roughness of
+// the next level stands in for it.
+double sheen_roughness(int k, int n, int size) { return even_roughness(std::max(k, 1), n, size); }
 
 // Filament, and shaders/envmap.glsl: lod / (n - 1) = r (2 - r).
 double filament_roughness(int k, int n, int /*size*/) { return 1 - std::sqrt(1 - double(k) / (n - 1)); }
@@ -42,7 +46,9 @@ const Engine rows[] = {
         .axes = "-X +Y +Z",
         .mirrored = "file",
     },
-    // io/formats/babylon_env.h; irradiance.cpp.
+    // io/formats/babylon_env.h; irradiance.cpp. babylon_irradiance.cpp: irradianceTexture in
+    // packages/dev/core/src/Misc/environmentTextureTools.ts, USEIRRADIANCEMAP and reflectionDominantDirection in
+    // Shaders/ShadersInclude/pbrBlockReflection.fx, findDominantDirection in Rendering/iblCdfGenerator.ts.
     {
         .name = "babylon-env",
         .title = "Babylon.js (.env)",
@@ -81,6 +87,19 @@ const Engine rows[] = {
         .axes = "+X +Z -Y",
         .text = {.name = "world.py"},
     },
+    // packages/engine/Source: yUpToZUp in Scene/Model/Model.js, lookups in Shaders/Model/ImageBasedLightingStageFS.glsl
+    // (roughness x the last level), Workers/transcodeKTX2.js (half and float in four channels, no supercompression),
+    // Scene/SpecularEnvironmentCubeMap.js (the last level of the file is roughness 1),
+    // Shaders/Builtin/Functions/sphericalHarmonics.glsl: the basis and the scale of Filament's harmonics, times the
+    // colour of the surface. getAxisCorrectionMatrix in Scene/Model/ModelUtility.js: +Z of glTF files is +X.
+    {
+        .name = "cesium",
+        .title = "CesiumJS",
+        .version = "1.145, run: tests/engines",
+        .maps = {{.file = "specular.ktx2", .depth = Depth::half, .chain = EngineChain{256, 5, even_roughness}}},
+        .axes = "+X +Z -Y",
+        .irradiance = "irradiance.txt",
+    },
     // perceptualRoughnessToLod in shaders/src/light_indirect.fs; computeIrradianceSH3Bands in
     // libs/ibl/src/CubemapSH.cpp; libs/ktxreader/src/Ktx1Reader.cpp; getSphericalHarmonics in
     // libs/image/src/Ktx1Bundle.cpp. 256 and 5 levels: the comment of the shader.
@@ -111,6 +130,25 @@ const Engine rows[] = {
         .maps = {{.file = "light.glb",
                   .depth = Depth::rgbd,
                   .chain = EngineChain{256, 5, even_roughness, IrradianceForm::gltf}}},
+    },
+    // KhronosGroup/glTF-IBL-Sampler, commit 08fa12250f6f: sample() in lib/source/lib.cpp (roughness k / (n - 1) in
+    // level k of n; lambertian in one level), filterColor() and LUT() in lib/source/shaders/filter.frag (a cosine over
+    // pi, GGX and Charlie seen head-on; columns of the tables cosine, rows roughness).
+    // KhronosGroup/glTF-Sample-Renderer: source/ibl_sampler.js (256 texels, 5 levels), source/Renderer/shaders/ibl.glsl
+    // (lods, u_EnvRotation, channels of the tables), source/GltfState/gltf_state.js (environmentRotation). Its table of
+    // Charlie is drawn by Charlie's own samples and weighted as if these were even; the table here is the integral that
+    // both its tables stand for.
+    {
+        .name = "gltf-viewer",
+        .title = "glTF Sample Viewer",
+        .version = "files of glTF-IBL-Sampler, sources read; not run",
+        .maps = {{.file = "ggx.ktx2", .depth = Depth::half, .chain = EngineChain{256, 5, even_roughness}},
+                 {.file = "lambertian.ktx2", .depth = Depth::half, .diffuse = 64},
+                 {.file = "charlie.ktx2",
+                  .depth = Depth::half,
+                  .chain = EngineChain{64, 5, sheen_roughness, IrradianceForm::none, 1, LobeShape::charlie}}},
+        .table = "lut_ggx.exr",
+        .sheen = "lut_sheen.exr",
     },
     // servers/rendering/renderer_rd/shaders/environment/sky.glsl, panorama_coords = (atan(x, -z) / 2 pi, acos(y) /
     // pi); paths relative to a resource: scene/resources/resource_format_text.cpp; the enumerators:
@@ -246,6 +284,8 @@ const Engine* find_engine(std::string_view name) {
 }
 
 const Engine* find_latlong(const Engine& engine) { return find_engine(std::string(engine.name) + "-latlong"); }
+
+std::string_view family_of(const Engine& engine) { return engine.name.substr(0, engine.name.find('-')); }
 
 const Engine& engine_named(std::string_view name) {
   if (const Engine* const found = find_engine(name)) return *found;

@@ -12,6 +12,7 @@
 #include "envmap/base/export.h"
 #include "envmap/io/images/depth.h"
 #include "envmap/map/environment_map.h"
+#include "envmap/prefilter/lobe.h"
 
 namespace ENVMAP_EXPORT envmap {
 
@@ -26,7 +27,7 @@ enum class IrradianceForm { none, filament, babylon, gltf };
 template <>
 inline constexpr std::size_t enumerators<IrradianceForm> = std::size_t(IrradianceForm::gltf) + 1;
 
-/// Levels of the environment as surfaces of rising roughness reflect it (GGX's split sum), for a shader that picks one.
+/// Levels of the environment as surfaces of rising roughness reflect it (the split sum), for a shader that picks one.
 struct EngineChain {
   int size;    ///< Height of a face of the first level, unless another is asked for.
   int levels;  ///< 0: down to faces of `last` texels.
@@ -34,6 +35,7 @@ struct EngineChain {
   double (*roughness)(int k, int n, int size);
   IrradianceForm irradiance = IrradianceForm::none;
   int last = 1;
+  LobeShape lobe = LobeShape::ggx;  ///< Or charlie, the sheen of cloth.
 };
 
 struct EngineMap {
@@ -48,7 +50,7 @@ struct EngineMap {
 };
 
 struct Engine {
-  std::string_view name;        ///< As users type it.
+  std::string_view name;        ///< As users type it; "babylon-env" are other files for the engine of "babylon".
   std::string_view title;       ///< As its makers write it.
   std::string_view version;     ///< What was read of it, and whether it was run.
   std::vector<EngineMap> maps;  ///< The first shows the environment.
@@ -60,7 +62,8 @@ struct Engine {
   std::string_view light = {};       ///< How diffuse and rough light is made.
   TextFile text = {};                ///< What loads the map, or nothing.
   std::string_view steps = {};       ///< What to do with the folder.
-  std::string_view table = {};       ///< A file for the split-sum table of brdf_table.h, or nothing.
+  std::string_view table = {};       ///< A file for the split-sum table of brdf_table.h, or nothing;
+  std::string_view sheen = {};       ///< and one for its table of the albedo of sheen.
   std::string_view irradiance = {};  ///< A file for the irradiance as nine colours, or nothing.
 };
 
@@ -72,6 +75,9 @@ const Engine* find_engine(std::string_view name);
 
 /// The row of an engine that takes its environment as a panorama, too. @return null where there is none.
 const Engine* find_latlong(const Engine& engine);
+
+/// The part of an engine's name that the rows of its other files share: "three" of "three-latlong".
+std::string_view family_of(const Engine& engine);
 
 /// The same as find_engine(). @throws UsageError where there is no such engine.
 const Engine& engine_named(std::string_view name);

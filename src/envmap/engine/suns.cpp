@@ -159,11 +159,6 @@ struct SunsOf {
   std::string_view unit;
 };
 
-// Lights/light.ts, _getPhotometricScale(): directional lights are in lux where the mode is automatic, factor 1.
-constexpr std::string_view unit_of_babylon =
-    "addSuns(BABYLON, scene) of suns.js adds them. DirectionalLight.intensity is in lux (Lights/light.ts, "
-    "_getPhotometricScale).";
-
 // Each row names the source of its unit. An engine without a row has the last. What the sources say:
 // - bevy: docs.rs, DirectionalLight: a table of illuminance in lux. It shines along -Z.
 // - blender: manual, Light Objects, Sun: strength in watts per square metre.
@@ -175,8 +170,10 @@ constexpr std::string_view unit_of_babylon =
 // - unreal: "Physical Lighting Units": directional lights are direct normal illuminance in lux, the sky light cd/m^2.
 //   DirectionalLightComponent, LightSourceAngle: the angular diameter in degrees.
 constexpr SunsOf suns_rows[] = {
-    {"babylon", "suns.js", babylon_text, unit_of_babylon},
-    {"babylon-env", "suns.js", babylon_text, unit_of_babylon},
+    // packages/dev/core/src/Lights/light.ts, _getPhotometricScale(): directional lights are in lux, factor 1.
+    {"babylon", "suns.js", babylon_text,
+     "addSuns(BABYLON, scene) of suns.js adds them. DirectionalLight.intensity is in lux (Lights/light.ts, "
+     "_getPhotometricScale)."},
     {"bevy", "suns.txt", table_text,
      "DirectionalLight.illuminance is in lux (docs.rs/bevy, DirectionalLight); EnvironmentMapLight.intensity "
      "multiplies "
@@ -184,6 +181,12 @@ constexpr SunsOf suns_rows[] = {
     {"blender", "world.py", blender_text,
      "The strength of a sun lamp is its irradiance in W/m^2, and radiance 1 of the world is 1 W/(m^2 sr) (manual, "
      "Lights, Power of Lights)."},
+    // packages/engine/Source/Shaders/Model/LightingStageFS.glsl: czm_lightColorHdr x the BRDF, whose diffuse part is
+    // the colour over pi.
+    {"cesium", "suns.txt", table_text,
+     "scene.light = new Cesium.DirectionalLight({ direction, color, intensity }): intensity x colour is the irradiance "
+     "(LightingStageFS.glsl). The direction is away from the sun, in world coordinates: turn it with "
+     "Cesium.Transforms.eastNorthUpToFixedFrame. A scene has one such light."},
     {"filament", "suns.txt", table_text,
      "LightManager::Builder(SUN): intensity() is in lux, sunAngularRadius() half of the diameter in degrees "
      "(LightManager.h); IndirectLight's intensity multiplies the maps: multiply the sun's by it, too."},
@@ -213,7 +216,7 @@ constexpr SunsOf suns_rows[] = {
 };
 
 const SunsOf& row_of(const Engine& engine) {
-  const auto found = std::ranges::find(suns_rows, engine.name, &SunsOf::engine);
+  const auto found = std::ranges::find(suns_rows, family_of(engine), &SunsOf::engine);
   return found == std::end(suns_rows) ? suns_rows[std::size(suns_rows) - 1] : *found;
 }
 

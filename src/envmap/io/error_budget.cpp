@@ -3,8 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 #include "envmap/base/error.h"
+#include "envmap/io/texels/value_range.h"
 #include "envmap/map/atlas.h"
 #include "envmap/operate/measure.h"
 
@@ -16,7 +19,22 @@ namespace {
                                       : "integers, lossy compression and OpenEXR's envmap layout have no bound");
 }
 
+// A value beyond a depth's range has no bound: more error, as was asked for, does not help.
+void require_range(const Rounding& rounding, const Level& level) {
+  const double most = range_of(rounding.depth, std::numeric_limits<double>::infinity()).largest;
+  float brightest = 0;
+  for (int face = 0; face < level.faces(); ++face)
+    for (int j = 0; j < level.height(); ++j)
+      for (const Colour& c : level.row(face, j)) brightest = std::max({brightest, c.x, c.y, c.z});
+  if (brightest > most)
+    throw AccuracyError(fmt::format("the largest value is {:g}, and {} holds values up to {:g}", brightest,
+                                    name(rounding), most),
+                        Remedy::clamp_or_dim);
+}
+
 void check(const LevelInFile& made, const ErrorBudget& budget) {
+  if (budget.asked && made.in_file() > *budget.asked && budget.rounding->read_back)
+    require_range(*budget.rounding, made.done.map.base());
   if (budget.asked && made.in_file() > *budget.asked)
     throw AccuracyError(budget.rounding->read_back ? rounding_words(*budget.rounding, made.rounded)
                                                    : fmt::format("the error is {:.1e}", made.done.error));
@@ -25,6 +43,7 @@ void check(const LevelInFile& made, const ErrorBudget& budget) {
 }  // namespace
 
 std::string rounding_words(const Rounding& rounding, double rounded) {
+  if (!std::isfinite(rounded)) return fmt::format("{} does not hold the largest value", name(rounding));
   return fmt::format("{} rounds by up to {:.1e}", name(rounding), rounded);
 }
 

@@ -62,6 +62,16 @@ bool is_locked(int descriptor, const fs::path& folder) {
 // Engines keep what they know of NAME beside it: Godot, Unity.
 constexpr std::array<std::string_view, 2> companion_suffixes{".import", ".meta"};
 
+// Whether an entry is one of these files, or lies beside one for an engine.
+bool is_file_of(const fs::directory_entry& entry, const std::vector<std::string>& files) {
+  return !entry.is_directory() && std::ranges::find(files, entry.path().filename().string()) != files.end();
+}
+bool is_companion_of(const fs::directory_entry& entry, const std::vector<std::string>& files) {
+  const fs::path name = entry.path().filename();
+  return entry.is_regular_file() && std::ranges::find(files, name.stem().string()) != files.end() &&
+         std::ranges::find(companion_suffixes, name.extension().string()) != companion_suffixes.end();
+}
+
 constexpr std::size_t random_letters = 6;
 
 // What killed processes left of folders of this name.
@@ -95,8 +105,23 @@ void OutputFolder::make_hidden(const std::string& stem) {
   } while (!is_locked(lock_, hidden_));
 }
 
-OutputFolder::OutputFolder(std::string path, std::span<const std::string> files, const CommitOptions& how)
-    : path_(std::move(path)), files_(files.begin(), files.end()), how_(how) {
+// What is there may be written anew, or go with what an earlier run wrote.
+void OutputFolder::check_entries() const {
+  std::error_code error;
+  const fs::directory_iterator entries(path_, error);
+  if (error) throw OutputError(path_, fmt::format("cannot be read: {}", error.message()));
+  for (const auto& entry : entries) {
+    if (is_file_of(entry, files_) || is_companion_of(entry, files_)) continue;
+    if (!is_file_of(entry, earlier_) && !is_companion_of(entry, earlier_))
+      throw UsageError(path_, fmt::format("contains {}, which would be lost: move it out, or choose another folder",
+                                          entry.path().filename().string()));
+    check_replaceable(entry.path(), how_);
+  }
+}
+
+OutputFolder::OutputFolder(std::string path, std::span<const std::string> files, std::span<const std::string> earlier,
+                           const CommitOptions& how)
+    : path_(std::move(path)), files_(files.begin(), files.end()), earlier_(earlier.begin(), earlier.end()), how_(how) {
   while (path_.size() > 1 && path_.ends_with('/')) path_.pop_back();
   std::error_code error;
   if (fs::exists(path_, error)) {
@@ -104,12 +129,7 @@ OutputFolder::OutputFolder(std::string path, std::span<const std::string> files,
     if (fs::equivalent(path_, fs::current_path(error), error))
       throw UsageError(path_, "is the current folder, which would be another one then: choose one inside or beside it");
     check_replaceable(path_, how_);
-    const fs::directory_iterator entries(path_, error);
-    if (error) throw OutputError(path_, fmt::format("cannot be read: {}", error.message()));
-    for (const auto& entry : entries)
-      if (const std::string name = entry.path().filename(); !is_ours(name) && !is_companion(entry))
-        throw UsageError(path_,
-                         fmt::format("contains {}, which would be lost: move it out, or choose another folder", name));
+    check_entries();
   }
   // The folder that a link names, not the link.
   const fs::path full = fs::weakly_canonical(fs::absolute(path_), error);
@@ -141,14 +161,6 @@ OutputFolder::~OutputFolder() {
   keep_on_signal(hidden_.c_str());
 }
 
-bool OutputFolder::is_ours(const std::string& name) const { return std::ranges::find(files_, name) != files_.end(); }
-
-bool OutputFolder::is_companion(const fs::directory_entry& entry) const {
-  const fs::path name = entry.path().filename();
-  return entry.is_regular_file() && is_ours(name.stem()) &&
-         std::ranges::find(companion_suffixes, name.extension().string()) != companion_suffixes.end();
-}
-
 void OutputFolder::make_parents(const fs::path& parent) {
   std::error_code error;
   for (fs::path p = parent; !fs::exists(p, error) && p.has_relative_path(); p = p.parent_path()) parents_.push_back(p);
@@ -159,7 +171,7 @@ void OutputFolder::make_parents(const fs::path& parent) {
 void OutputFolder::keep_companions() const {
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(path_, error)) {
-    if (!is_companion(entry)) continue;
+    if (!is_companion_of(entry, files_)) continue;
     const std::string kept = file(entry.path().filename().string());
     fs::create_hard_link(entry, kept, error);
     if (error) fs::copy_file(entry, kept, error);  // Not every file system has links.
@@ -186,8 +198,10 @@ void OutputFolder::write(std::string_view name, std::string_view text) const {
 }
 
 bool OutputFolder::is_there_already() const {
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(path_, error))
+    if (!is_file_of(entry, files_) && !is_companion_of(entry, files_)) return false;  // It goes.
   return std::ranges::all_of(files_, [&](const std::string& name) {
-    std::error_code error;
     return fs::exists(fs::path(path_) / name, error) && bytes_of(fs::path(path_) / name) == bytes_of(file(name));
   });
 }

@@ -16,12 +16,15 @@ namespace envmap {
 /// was there under that name is replaced in one step. Without commit() nothing is left, nor where a signal ends the
 /// program. Where it is killed, the hidden folder is left, and the next OutputFolder of that name removes it: it is
 /// locked while its owner lives (flock()). File systems that cannot lock folders (NFS) keep it.
-/// NAME.import and NAME.meta, which engines write beside a file NAME, are kept. Missing parents are made.
+/// NAME.import and NAME.meta, which engines write beside a file NAME, are kept while there is NAME. Missing parents are
+/// made.
 class OutputFolder {
  public:
-  /// @param files all that it will hold. @throws UsageError where there is a folder that holds others, or another file
-  /// of that name; OutputError where there can be none.
-  OutputFolder(std::string path, std::span<const std::string> files, const CommitOptions& how);
+  /// @param files all that it will hold. @param earlier files that may be there from before, and go.
+  /// @throws UsageError where there is a folder that holds others, or another file of that name; OutputError where
+  /// there can be none.
+  OutputFolder(std::string path, std::span<const std::string> files, std::span<const std::string> earlier,
+               const CommitOptions& how);
   ~OutputFolder();
   OutputFolder(const OutputFolder&) = delete;
   OutputFolder& operator=(const OutputFolder&) = delete;
@@ -38,8 +41,7 @@ class OutputFolder {
 
  private:
   [[nodiscard]] bool is_there_already() const;
-  [[nodiscard]] bool is_ours(const std::string& name) const;
-  [[nodiscard]] bool is_companion(const std::filesystem::directory_entry& entry) const;
+  void check_entries() const;
 
   void make_parents(const std::filesystem::path& parent);
   void keep_companions() const;
@@ -49,7 +51,8 @@ class OutputFolder {
 
   std::string path_, target_, hidden_;        // As it was named, without links, and until commit().
   int lock_ = -1;                             // The hidden folder, open and locked.
-  std::vector<std::string> files_, parents_;  // Folders made for it, the innermost first.
+  std::vector<std::string> files_, earlier_;
+  std::vector<std::string> parents_;          // Folders made for it, the innermost first.
   std::vector<std::string> pending_;          // What a signal removes.
   CommitOptions how_;
 };

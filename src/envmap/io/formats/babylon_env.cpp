@@ -57,6 +57,23 @@ std::vector<FilePart> parts_of(const Json& header, std::uint64_t start, std::uin
   return parts;
 }
 
+// The header's irradiance: a polynomial, and the faces of a cube, which lie behind the levels. @param position of the
+// first of them.
+Json irradiance_of(const KeyValues& pairs, std::size_t position) {
+  const auto polynomial = pairs.find("irradiance"), cube = pairs.find("irradianceTexture");
+  Json irradiance = polynomial == pairs.end() ? Json() : Json::parse(polynomial->second);
+  if (cube == pairs.end()) return irradiance;
+  Json about = Json::parse(cube->second), faces = Json::array();
+  for (const Json& length : about.at("lengths")) {
+    faces.push_back({{"length", length}, {"position", position}});
+    position += length.get<std::size_t>();
+  }
+  about.erase("lengths");
+  about["faces"] = faces;
+  irradiance["irradianceTexture"] = about;
+  return irradiance;
+}
+
 }  // namespace
 
 void write_env(OutputFile& file, std::span<const Atlas> levels, const TexturePlan& plan, const Progress& progress) {
@@ -76,17 +93,18 @@ void write_env(OutputFile& file, std::span<const Atlas> levels, const TexturePla
       images.push_back({{"length", image.size()}, {"position", position}});
       position += image.size();
     }
-  const auto irradiance = plan.pairs.find("irradiance");
   const Json header{{"version", 2},
                     {"width", size},
                     {"imageType", "image/png"},
-                    {"irradiance", irradiance == plan.pairs.end() ? Json() : Json::parse(irradiance->second)},
+                    {"irradiance", irradiance_of(plan.pairs, position)},
                     {"specular", {{"mipmaps", images}, {"lodGenerationScale", lod_generation_scale}}}};
   const std::string text = header.dump();
   file.write(env_mark.data(), env_mark.size());
   file.write(text.c_str(), text.size() + 1);
   for (const RgbdFaces& level : faces)
     for (const std::vector<char>& image : level) file.write(image.data(), image.size());
+  if (const auto cube = plan.pairs.find("irradianceFaces"); cube != plan.pairs.end())
+    file.write(cube->second.data(), cube->second.size());
 }
 
 TextureFile open_env(const InputFile& file) {

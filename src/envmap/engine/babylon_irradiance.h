@@ -1,0 +1,14 @@
+// Diffuse light as Babylon.js 8 and newer take it in .env files: a cube of irradiance, and where the light comes from.
+#pragma once
+
+#include <map>
+#include <string>
+
+#include "envmap/map/environment_map.h"
+
+namespace envmap {
+
+/// What goes into WriteOptions::pairs, for write_env(): the irradiance over pi, within 1e-3 before its bytes round it.
+std::map<std::string, std::string> babylon_irradiance(const EnvironmentMap& source);
+
+}  // namespace envmap
