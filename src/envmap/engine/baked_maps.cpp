@@ -94,7 +94,9 @@ BakedMap Baker::chain(const EngineMap& wanted, const ErrorBudget& budget, const 
     made.facts["roughness"] += fmt::format("{}{:g}", k == 0 ? "" : ",", roughnesses[k]);
     const int size = base >> k;
     const double share = 1 / double(roughnesses.size());
-    const PrefilterOptions wanted_level{.lobe = Lobe(shape, roughnesses[k]), .to = wanted.frame.projection, .size = size};
+    const PrefilterOptions wanted_level{.lobe = Lobe(shape, roughnesses[k]),
+                                        .to = wanted.frame.projection,
+                                        .size = size};
     LevelInFile level = wanted_level.lobe.is_mirror()
                             ? resample_level(source_, wanted.frame, size, budget, false)
                             : lobe(wanted_level, budget, part_progress(progress, share * double(k), share));
