@@ -21,8 +21,8 @@ namespace envmap {
 class OutputFolder {
  public:
   /// @param files all that it will hold. @param earlier files that may be there from before, and go.
-  /// @throws UsageError where there is a folder that holds others, or another file of that name; OutputError where there
-  /// can be none.
+  /// @throws UsageError where there is a folder that holds others, or another file of that name; OutputError where
+  /// there can be none.
   OutputFolder(std::string path, std::span<const std::string> files, std::span<const std::string> earlier,
                const CommitOptions& how);
   ~OutputFolder();
