@@ -24,7 +24,7 @@ Drawn once(Renderer& renderer, const Viewpoint& from, const FrameState& shot, Dr
   return method == DrawMethod::raycast ? raycast(shot, from) : draw(renderer, from, shot, method);
 }
 
-void measure(benchmark::State& state, DrawMethod method, Projection to) {
+void draw_maps(benchmark::State& state, DrawMethod method, Projection to) {
   static Context context(ContextKind::osmesa);
   const SceneGraph scene = rooms::room(int(state.range(0)));
   Renderer renderer(scene, nullptr);
@@ -85,7 +85,7 @@ int main(int argc, char** argv) {
          {DrawMethod::exact, DrawMethod::distort, DrawMethod::tessellate, DrawMethod::resample, DrawMethod::raycast}) {
       if (to == Projection::latlong && (method == DrawMethod::distort || method == DrawMethod::tessellate)) continue;
       benchmark::RegisterBenchmark(fmt::format("{}/{}", draw_method_names[std::size_t(method)], name(to)).c_str(),
-                                   measure, method, to)
+                                   draw_maps, method, to)
           ->ArgNames({"edge", "size"})
           ->ArgsProduct({{2, 4, 21, 77, 209}, {512}})
           ->ArgsProduct({{21}, {128, 256, 1024}})

@@ -129,7 +129,7 @@ TEST_F(Lights, StandInTheFileOfTheEngineInEveryRow) {
     const auto wanted = files.find(engine.substr(0, engine.find('-')));
     ASSERT_NE(wanted, files.end());
     const auto& [file, word] = wanted->second;
-    succeeds({"bake", "sun.exr", engine, "--for", engine, "--suns", "--chain-size", "16", "--quality", "draft", "-q"});
+    succeeds({"bake", "sun.exr", engine, "--for", engine, "--suns", "--chain-size", "32", "--quality", "draft", "-q"});
     EXPECT_NE(read(engine + "/" + file).find(word), std::string::npos);
     EXPECT_NE(read(engine + "/README.txt").find("Suns: " + file), std::string::npos);
     for (const char* const other : {"suns.txt", "suns.js", "suns.gltf", "suns.tscn"})
