@@ -218,15 +218,21 @@ TEST_F(Bake, TheViewerOfGltfGetsDiffuseLightSheenAndTables) {
     EXPECT_NEAR(ggx.at(column, 0)[0], 1 - grazing, 2e-3);
     EXPECT_NEAR(ggx.at(column, 0)[1], grazing, 2e-3);
   }
-  for (const int row : {64, 127}) {  // Seen head-on, the half vector lies half-way to the light, and V is 1/4.
+  // Estevez and Kulla's distribution (2 + p) sin(n,h)^p / (2 pi), p = 1 / roughness^2, with Neubelt and Pettineo's
+  // visibility 1 / (4 (n.l + n.v - n.l n.v)), over the hemisphere.
+  for (const int row : {64, 127}) {
     const double roughness = (row + 0.5) / 128, power = 1 / (roughness * roughness);
+    const double nv = 127.5 / 128, across = std::sqrt(1 - nv * nv);
     double albedo = 0;
-    constexpr int steps = 10000;
-    for (int k = 0; k < steps; ++k) {
-      const double angle = (k + 0.5) / steps * pi / 2;
-      albedo += (2 + power) * std::pow(std::sin(angle / 2), power) / 4 * std::cos(angle) * std::sin(angle) * pi / 2;
-    }
-    albedo /= steps;
+    constexpr int rings = 400, turns = 400;
+    for (int k = 0; k < rings; ++k)
+      for (int t = 0; t < turns; ++t) {
+        const double nl = (k + 0.5) / rings, aside = std::sqrt(1 - nl * nl), turn = 2 * pi * (t + 0.5) / turns;
+        const double hx = aside * std::cos(turn) + across, hy = aside * std::sin(turn), hz = nl + nv;
+        const double sine = std::sqrt((hx * hx + hy * hy) / (hx * hx + hy * hy + hz * hz));
+        albedo += (2 + power) / (2 * pi) * std::pow(sine, power) / (4 * (nl + nv - nl * nv)) * nl;
+      }
+    albedo *= 2 * pi / (rings * turns);
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(sheen.at(127, row)[c], albedo, 0.01 * albedo);
   }
 }

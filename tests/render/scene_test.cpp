@@ -1,4 +1,5 @@
 // A scene that is read once: what it draws is what render() and view() draw, at a fraction of their cost.
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <ctime>
@@ -202,7 +203,8 @@ TEST_F(ScenesKept, EightMapsCostLittleMoreThanOne) {
     return double(std::clock() - start);
   };
   (void)cost(1);  // Tables that are made once for all.
-  EXPECT_LT(cost(8), 1.5 * cost(1));
+  const auto least = [&](std::size_t count) { return std::min({cost(count), cost(count), cost(count)}); };
+  EXPECT_LT(least(8), 1.5 * least(1));
 }
 
 }  // namespace
