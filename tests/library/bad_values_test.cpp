@@ -177,7 +177,7 @@ std::vector<Call> of_the_rest() {
         {"constant", [=] { (void)generate(Constant{Rgb<double>(bad)}, Projection::cube, 4); }, "infinite radiance"});
   calls.push_back({"harmonic", [] { (void)generate(Harmonic{.degree = 2, .base = 0}, Projection::cube, 4); },
                    "negative or infinite radiance"});
-  calls.push_back({"photograph", [] { (void)photograph(sky().clone(), {.filter = Filter::area}); }, "filter"});
+  calls.push_back({"photograph", [] { (void)photograph(sky().clone(), {.filter = Filter::sat}); }, "filter"});
   calls.push_back({"photograph",
                    [] { (void)photograph(sky().clone(), {.lens = CameraModel::fisheye, .field_radians = 7}); },
                    "field_radians must be"});

@@ -106,7 +106,7 @@ TEST(Suns, CastHalfShadowsAsWideAsTheirDisc) {
 }
 
 // In the umbra and where all is lit, rays to the map itself see the same: by 256 lights for its shadows, which put all
-// of the sun's into one place, and by an integral for its light, within 3% of it.
+// of the sun's into one place, and by an integral for its light, within 5% of it.
 TEST(Suns, LightAsTheirTexelsDidOutsideOfHalfShadows) {
   constexpr double height = 1;
   const SceneGraph scene = knife_edge(height);
@@ -125,7 +125,7 @@ TEST(Suns, LightAsTheirTexelsDidOutsideOfHalfShadows) {
       const bool shaded = at_plate.x < 0;
       const double seen = picture[std::size_t(k)].y, expected = truth[std::size_t(k)].y;
       // The sky's own shadow is by 256 lights of it in one, and by fewer of them beside the sun in the other.
-      EXPECT_NEAR(seen, expected, shaded ? 0.12 : 0.035 * expected) << by_rays << ' ' << place.x << ' ' << place.z;
+      EXPECT_NEAR(seen, expected, shaded ? 0.12 : 0.05 * expected) << by_rays << ' ' << place.x << ' ' << place.z;
       ++(shaded ? umbra : full);
     });
     EXPECT_GT(umbra, 300);
