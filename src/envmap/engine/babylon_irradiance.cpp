@@ -1,5 +1,7 @@
 #include "envmap/engine/babylon_irradiance.h"
 
+#include <fmt/format.h>
+
 #include <nlohmann/json.hpp>
 
 #include "envmap/io/formats/babylon_env.h"
@@ -32,17 +34,18 @@ std::map<std::string, std::string> babylon_irradiance(const EnvironmentMap& sour
   const Rows rows = in_api_orientation(rows_of(irradiance.map.base(), Forward::plus_z));
   const Atlas atlas{rows, grid(Layout::api)};
   nlohmann::ordered_json about{{"size", size}, {"lengths", nlohmann::json::array()}};
-  std::string bytes;
+  std::string digits;
   const std::vector<RgbdFaces> levels = rgbd_faces({&atlas, 1}, {});
   for (const std::vector<char>& face : levels.front()) {
     about["lengths"].push_back(face.size());
-    bytes.append(face.begin(), face.end());
+    // As hexadecimal digits: parts of a sharded map carry pairs as text.
+    for (const char byte : face) digits += fmt::format("{:02x}", static_cast<unsigned char>(byte));
   }
   // Shaders divide by its length. Light from all sides has no direction.
   constexpr double least = 1e-3;
   if (const Direction d = mean_direction(source); glm::length(d) > least)
     about["dominantDirection"] = {-d.x, d.y, d.z};  // Babylon.js' world is left-handed.
-  return {{"irradianceTexture", about.dump()}, {"irradianceFaces", bytes}};
+  return {{"irradianceTexture", about.dump()}, {"irradianceFaces", digits}};
 }
 
 }  // namespace envmap

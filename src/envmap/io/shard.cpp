@@ -63,7 +63,7 @@ std::shared_ptr<Image> open_part(const std::string& path) {
 
 // Key/value pairs of the whole file: part_options() and write() put them into attributes.
 std::map<std::string, std::string> pairs_of(const Attributes& texts) {
-  constexpr std::size_t longest = 4096;
+  constexpr std::size_t longest = 1 << 20;  // Six faces of irradiance are a fifth of it.
   std::map<std::string, std::string> pairs;
   for (const auto& [name, text] : texts)
     if (name.starts_with(pair_prefix) && is_word(name) && text.size() <= longest)

@@ -74,6 +74,14 @@ Json irradiance_of(const KeyValues& pairs, std::size_t position) {
   return irradiance;
 }
 
+std::vector<char> bytes_of(std::string_view digits) {
+  const auto value = [](char c) { return c <= '9' ? c - '0' : c - 'a' + 10; };
+  std::vector<char> bytes;
+  for (std::size_t k = 0; k + 1 < digits.size(); k += 2)
+    bytes.push_back(char(16 * value(digits[k]) + value(digits[k + 1])));
+  return bytes;
+}
+
 }  // namespace
 
 void write_env(OutputFile& file, std::span<const Atlas> levels, const TexturePlan& plan, const Progress& progress) {
@@ -103,8 +111,10 @@ void write_env(OutputFile& file, std::span<const Atlas> levels, const TexturePla
   file.write(text.c_str(), text.size() + 1);
   for (const RgbdFaces& level : faces)
     for (const std::vector<char>& image : level) file.write(image.data(), image.size());
-  if (const auto cube = plan.pairs.find("irradianceFaces"); cube != plan.pairs.end())
-    file.write(cube->second.data(), cube->second.size());
+  if (const auto cube = plan.pairs.find("irradianceFaces"); cube != plan.pairs.end()) {
+    const std::vector<char> bytes = bytes_of(cube->second);
+    file.write(bytes.data(), bytes.size());
+  }
 }
 
 TextureFile open_env(const InputFile& file) {

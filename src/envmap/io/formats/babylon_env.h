@@ -21,7 +21,7 @@ inline constexpr std::string_view env_mark{"\x86\x16\x87\x96\xf6\xd6\x96\x36", 8
 /// The levels of a cube, the largest first, down to one texel.
 /// The pair "irradiance" is JSON for the header, its spherical polynomial; else Babylon.js makes it. With it may go a
 /// cube of irradiance: "irradianceTexture" is JSON, {"size", "lengths" of six files, "dominantDirection" or nothing},
-/// and "irradianceFaces" are these files, as those of rgbd_faces().
+/// and "irradianceFaces" are these files, as those of rgbd_faces(), in hexadecimal digits.
 /// @throws OutputError where levels are missing, or sides are no power of two.
 void write_env(OutputFile& file, std::span<const Atlas> levels, const TexturePlan& plan, const Progress& progress);
 
