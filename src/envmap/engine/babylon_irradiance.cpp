@@ -38,7 +38,7 @@ std::map<std::string, std::string> babylon_irradiance(const EnvironmentMap& sour
   const std::vector<RgbdFaces> levels = rgbd_faces({&atlas, 1}, {});
   for (const std::vector<char>& face : levels.front()) {
     about["lengths"].push_back(face.size());
-    // As hexadecimal digits: parts of a sharded map carry pairs as text.
+    // Parts of a sharded map carry pairs as text, so bytes are hexadecimal digits.
     for (const char byte : face) digits += fmt::format("{:02x}", static_cast<unsigned char>(byte));
   }
   // Shaders divide by its length. Light from all sides has no direction.

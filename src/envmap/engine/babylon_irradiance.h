@@ -8,7 +8,7 @@
 
 namespace envmap {
 
-/// What goes into WriteOptions::pairs, for write_env(): the irradiance over pi, within 1e-3 before its bytes round it.
+/// The pairs of WriteOptions that write_env() makes the cube of: irradiance over pi, within 1e-3 before bytes round it.
 std::map<std::string, std::string> babylon_irradiance(const EnvironmentMap& source);
 
 }  // namespace envmap

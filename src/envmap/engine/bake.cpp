@@ -31,7 +31,7 @@ constexpr std::string_view readme = "README.txt";
 // README.txt ends with a line of the folder's files, by which the next bake knows what it may replace.
 std::string files_key(const Engine& engine) { return fmt::format("Files for {}: ", family_of(engine)); }
 
-// What an earlier bake for this engine says that it wrote.
+// The files that an earlier bake for this engine lists as its own.
 std::vector<std::string> files_there(const std::string& folder, const Engine& engine) {
   std::vector<std::string> files;
   std::ifstream text(folder + "/" + std::string(readme));

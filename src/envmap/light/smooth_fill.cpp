@@ -35,7 +35,7 @@ std::vector<std::vector<Texel>> rings_round(const Level& level, std::span<const 
   return rings;
 }
 
-// Of very many every second, third ...
+// The texels of a ring; of a long one every second, third or further one, at most 512.
 std::vector<RimTexel> some_of(const TexelGeometry& geometry, std::span<const Texel> ring,
                               const std::function<Colour(const Texel&)>& colour) {
   constexpr std::size_t most = 512;

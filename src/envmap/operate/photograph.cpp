@@ -195,7 +195,10 @@ std::vector<Colour> photograph(EnvironmentMap source, const PhotographOptions& o
   const double floor = o.filter == Filter::area ? 1e-3 * mean_radiance(source.base()) : 0;
   if (reads_levels(o.filter)) add_levels(source.levels);
   std::vector<PaddedLevel> levels;
-  for (Level& level : source.levels) levels.emplace_back(std::move(level));
+  for (Level& level : source.levels) {
+    levels.emplace_back(std::move(level));
+    if (!reads_levels(o.filter)) break;
+  }
   const auto width = std::size_t(o.width);
   std::vector<Colour> picture(width * std::size_t(o.height));
   const auto take_row = [&](int row) {

@@ -40,8 +40,8 @@ vec2 envmap_sphere(vec3 d) {
   return vec2(0.5 + 0.5 * at.x, 0.5 - 0.5 * at.y);
 }
 
-// As a texture matrix: with h = d + (0, 0, 1), the normal of the ball that mirrors d to an eye on +Z, of unit length, the
-// ball's place (h.x, h.y) is that of its picture from afar: u = 1/2 + h.x / 2 and v = 1/2 - h.y / 2, v being down.
+// Texture matrix of a sphere map: with h = d + (0, 0, 1), of unit length, the normal of the ball that mirrors d to an eye
+// on +Z, the ball's place (h.x, h.y) is that of its picture from afar: u = 1/2 + h.x / 2 and v = 1/2 - h.y / 2, v being down.
 // sphere (u, v, -, w) = M (h.x, h.y, h.z, 1):
 //   | 0.5  0.0  0.0  0.5 |
 //   | 0.0 -0.5  0.0  0.5 |
@@ -71,7 +71,7 @@ vec3 envmap_paraboloid(vec3 d) {
   return vec3(0.5 + 0.5 * at.x, 0.5 - 0.5 * at.y, d.z < 0.0 ? 1.0 : 0.0);
 }
 
-// As texture matrices: the paraboloid z = (1 - x^2 - y^2) / 2 mirrors d to +Z at the place d.xy / (1 + d.z), because its
+// Texture matrices of paraboloid maps: z = (1 - x^2 - y^2) / 2 mirrors d to +Z at the place d.xy / (1 + d.z), because the
 // normal there, (x, y, 1), halves the angle between d and +Z. u = 1/2 + x / 2 and v = 1/2 - y / 2 times w = 1 + d.z are
 // linear in d, and the graphics card divides by w. Behind, -d.z stands for d.z.
 // front (u, v, -, w) = M (d.x, d.y, d.z, 1):

@@ -171,7 +171,7 @@ class Filling {
   const ByteLevels& levels_;
 };
 
-using WeightedHalves = std::array<std::array<float, 3>, 2>;
+using ColourPair = std::array<std::array<float, 3>, 2>;  // The two ends that a fit found.
 
 std::size_t largest_of(const std::array<float, 3>& c) {
   return std::size_t(std::max_element(c.begin(), c.end()) - c.begin());
@@ -182,7 +182,7 @@ bool is_finite(const std::array<Rgb, 2>& ends) {
   return std::ranges::all_of(ends, [](const Rgb& c) { return std::ranges::max(c) <= largest_end; });
 }
 
-bool store_scaled(int mode, const ByteLevels& levels, const WeightedHalves& wanted, StoredEnds& to) {
+bool store_scaled(int mode, const ByteLevels& levels, const ColourPair& wanted, StoredEnds& to) {
   const auto largest = largest_of(wanted[1]);
   std::array<float, 3> second = wanted[1];
   const float scale = std::max(0.0F, second[0] - wanted[0][0]);
@@ -207,9 +207,9 @@ bool reaches(const Layout& l, const std::array<float, 6>& wanted) {
   return true;
 }
 
-bool store_coloured(int mode, const ByteLevels& levels, const WeightedHalves& wanted, StoredEnds& to) {
+bool store_coloured(int mode, const ByteLevels& levels, const ColourPair& wanted, StoredEnds& to) {
   const auto largest = largest_of(wanted[1]);
-  WeightedHalves w = wanted;
+  ColourPair w = wanted;
   for (auto& end : w) std::swap(end[0], end[largest]);
   const float c = w[1][0] - w[0][0], p = w[1][0] - w[1][1], q = w[1][0] - w[1][2];
   if (!reaches(colour_layouts[std::size_t(mode)], {0, c, p, q, w[1][1] - c - w[0][1], w[1][2] - c - w[0][2]}))
@@ -227,7 +227,7 @@ bool store_coloured(int mode, const ByteLevels& levels, const WeightedHalves& wa
 }
 
 // Eight bits of red and green and seven of blue, which hold any ends.
-void store_directly(const ByteLevels& levels, const WeightedHalves& wanted, StoredEnds& to) {
+void store_directly(const ByteLevels& levels, const ColourPair& wanted, StoredEnds& to) {
   for (std::size_t e = 0; e < 2; ++e)
     for (std::size_t c = 0; c < 3; ++c) {
       const int shift = c == 2 ? 5 : 4, most = largest_end >> shift;
@@ -241,7 +241,7 @@ void store_directly(const ByteLevels& levels, const WeightedHalves& wanted, Stor
 }
 
 // Seven bits a channel.
-void store_scaled_directly(const ByteLevels& levels, WeightedHalves wanted, StoredEnds& to) {
+void store_scaled_directly(const ByteLevels& levels, ColourPair wanted, StoredEnds& to) {
   for (float most = largest_end; !store_scaled(direct_scale, levels, wanted, to); most -= 32)
     for (std::size_t c = 0; c < 3; ++c) {
       wanted[1][c] = std::clamp(wanted[1][c], 0.0F, most);

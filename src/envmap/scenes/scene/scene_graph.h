@@ -50,10 +50,10 @@ struct Material {
   int sheen_texture = -1, sheen_roughness_texture = -1;  ///< A colour; alpha.
   /// Bends what it lets through: KHR_materials_volume with a thickness. Else it is a thin wall.
   bool solid = false;
-  Colour absorption{
-      0};  ///< In a solid, per metre: light that goes d metres falls by exp(-absorption d) (Beer-Lambert).
-  float thickness =
-      0;  ///< Of a solid, in the frame of the mesh: the way through it for maps, which do not follow rays.
+  /// Of a solid, per metre: light that goes d metres falls by exp(-absorption d) (Beer-Lambert).
+  Colour absorption{0};
+  /// Of a solid, in the frame of the mesh: the way through it for maps, which do not follow rays.
+  float thickness = 0;
   float alpha_cutoff = 0;  ///< Above 0: what is below it in alpha is a hole.
   bool blended = false;    ///< Covers what is behind as far as alpha says; then holes are those of shadows alone.
   bool double_sided = false;
