@@ -109,9 +109,17 @@ TEST_F(Help, LongWorkTellsATerminalHowLongItTakes) {
   if (shell("command -v script").status != 0) GTEST_SKIP() << "script is not installed";
   succeeds({"generate", "sky", "sky.exr", "--size", "512"});
   const std::string job = "\"$ENVMAP\" prefilter sky.exr x.exr --method exact --size 24";
-  const Result seen = shell("script -qec 'timeout 4 " + job + "' /dev/null");
-  EXPECT_TRUE(std::regex_search(seen.out, std::regex(R"(prefilter diffuse +\d+%, [\d.e-]+%/s, [\d:]+ (s|min|h) left)")))
-      << seen.out;
+  write("watch.sh", "script -qfec 'exec timeout 60 " + job + R"(' seen >/dev/null </dev/null &
+until tr '\r' '\n' <seen | grep -E 'prefilter diffuse +[0-9]+%, [0-9.e-]+%/s, [0-9:]+ (s|min|h) left'; do
+  kill -0 $! || exit
+  sleep .1
+done
+kill $!
+wait
+rm seen watch.sh
+)");
+  const Result seen = shell(": >seen; sh watch.sh");
+  EXPECT_EQ(seen.status, 0) << seen.out << seen.err;
   EXPECT_EQ(shell("timeout 2 " + job).err, "");
   EXPECT_EQ(names(), std::vector<std::string>{"sky.exr"});
 }
@@ -186,6 +194,7 @@ zpty -w -n shell $')" + line +
                          R"(\t\C-x'
 zpty -r -m shell text '*<*>*'
 [[ $text =~ '<([^>]*)>' ]] && print -r - $match[1]
+zpty -d shell
 )");
     return shell("HOME=$PWD timeout 20 zsh -f try.zsh").out;
   };
