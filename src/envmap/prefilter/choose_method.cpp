@@ -28,17 +28,18 @@ constexpr double grid_node = 80;                      // All grids of a source, 
 constexpr double interpolated = 150;                  // An output or a node that is interpolated from a grid.
 constexpr double tap = 0.07;                          // A node of a window whose kernel value is shared.
 constexpr double ggx_value = 0.6, power_value = 0.9;  // A node of a window whose kernel value is computed.
-constexpr double near_field_point = 0.65, power_texel = 1.6, power_point = 1.6;
+constexpr double near_field_point = 0.65, power_texel = 1.6, power_point = 1.6, power_panel = 2.6;
+constexpr double panel_nodes = 1024;  // PanelMeans::values of power_on_face-inl.h
 
 // The near field of one output.
 double near_field_cost(const Job& job, const LevelKernel& kernel) {
   if (kernel.kind == LevelKernel::Kind::power) {
     const double seen = 0.5 * double(kernel.end) * job.size(), reach = std::sqrt(2 * double(kernel.end));
-    // Texels of cubes, and those near poles, are summed by points; others in panels of rows.
-    const double side = pi / job.rows(), panels = variation_over(kernel, side);
-    const bool by_points_alone = job.cube() || panels > most_panels;
-    const double polar = by_points_alone ? 1 : 1 - portable::cos(std::min(0.5 * pi, 64 * side + reach));
-    return 500 + (power_texel * std::ceil(panels) + power_point * points_in_texel(kernel, side) * polar) * seen;
+    const double side = pi / job.rows(), panels = std::ceil(std::max(1.0, variation_over(kernel, side)));
+    if (panels > most_panels) return 500 + power_point * points_in_texel(kernel, side) * seen;
+    if (job.cube()) return 500 + power_panel * (panel_nodes + 1.3 * panels * panels * seen);
+    const double polar = 1 - portable::cos(std::min(0.5 * pi, 64 * side + reach));  // By points.
+    return 500 + (power_texel * panels + power_point * points_in_texel(kernel, side) * polar) * seen;
   }
   const double radius = std::sqrt(2 * double(kernel.end)) * job.rows() / pi;  // Counted in texels.
   return 500 + 60 * radius + near_field_point * (1200 + 23 * radius * radius) * (job.cube() ? 1.8 : 1);

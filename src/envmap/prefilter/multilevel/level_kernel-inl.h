@@ -109,12 +109,12 @@ HWY_INLINE V log2_near_one(V x) {
   return x * polynomial(D(), x, unit, unit / 2, unit / 3);
 }
 
-// (1 - y)^power
-HWY_INLINE V power_of(const LevelKernel& k, V y) {
-  const D d;
-  const V log = k.part * k.end <= narrow_end ? log2_near_one(hn::Min(y, broadcast(1))) : log2_one_minus(d, y);
-  return exp2_small(d, broadcast(k.power) * log);
+// The binary logarithm of (1 - y)^power, and the power.
+HWY_INLINE V log2_of_power(const LevelKernel& k, V y) {
+  const bool narrow = k.part * k.end <= narrow_end;
+  return broadcast(k.power) * (narrow ? log2_near_one(hn::Min(y, broadcast(1))) : log2_one_minus(D(), y));
 }
+HWY_INLINE V power_of(const LevelKernel& k, V y) { return exp2_small(D(), log2_of_power(k, y)); }
 
 template <bool cosine>
 struct PowerKernel {

@@ -154,8 +154,7 @@ struct OnCube {
     return broadcast(row.weight[k]) * area(x, broadcast(row.down[k]));
   }
 
- private:
-  HWY_INLINE V square(V s1, V t1) const { return broadcast(1) + (s1 * s1 + t1 * t1); }
+  // x of a point beside q.
   HWY_INLINE V versine(V ds, V dt) const {
     const V s0 = broadcast(s), t0 = broadcast(t), s1 = s0 + ds, t1 = t0 + dt;
     const V turn = ds * t0 - dt * s0;
@@ -164,11 +163,14 @@ struct OnCube {
     const V both = hn::Sqrt(square(s1, t1)) * broadcast(length);
     return cross / (both * (both + dot));
   }
-  // Solid angle over that in the middle of the face.
+  // Its solid angle over that in the middle of the face.
   HWY_INLINE V area(V ds, V dt) const {
     const V all = square(broadcast(s) + ds, broadcast(t) + dt);
     return broadcast(1) / (all * hn::Sqrt(all));
   }
+
+ private:
+  HWY_INLINE V square(V s1, V t1) const { return broadcast(1) + (s1 * s1 + t1 * t1); }
 };
 
 }  // namespace HWY_NAMESPACE

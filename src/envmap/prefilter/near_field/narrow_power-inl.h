@@ -23,16 +23,14 @@ HWY_BEFORE_NAMESPACE();
 namespace envmap::prefiltering {
 namespace HWY_NAMESPACE {
 
-// Interpolation at the Chebyshev nodes of [0, 1].
-struct Chebyshev {
-  static constexpr std::size_t terms = 6;
+// The polynomial through values at nodes.
+template <std::size_t terms>
+struct Interpolation {
   alignas(32) float nodes[virtual_lanes] = {};  // Padded with 0.
-  // The polynomial through values y_i at the nodes is the sum of weight[k][i] y_i x^k.
+  // Through values y_i at the nodes it is the sum of weight[k][i] y_i x^k.
   double weight[terms][terms] = {};
 
-  constexpr Chebyshev() {
-    constexpr double x[terms] = {0.017037086855465844, 0.146446609406726238, 0.370590477448739670,
-                                 0.629409522551260330, 0.853553390593273762, 0.982962913144534156};
+  constexpr explicit Interpolation(const double (&x)[terms]) {
     for (std::size_t i = 0; i < terms; ++i) {
       nodes[i] = float(x[i]);
       double basis[terms] = {1}, gaps = 1;
@@ -46,7 +44,11 @@ struct Chebyshev {
     }
   }
 };
-inline constexpr Chebyshev chebyshev;
+// The Chebyshev nodes of [0, 1].
+inline constexpr std::size_t terms_across = 6;
+inline constexpr Interpolation<terms_across> chebyshev({0.017037086855465844, 0.146446609406726238,
+                                                        0.370590477448739670, 0.629409522551260330,
+                                                        0.853553390593273762, 0.982962913144534156});
 
 // The Gauss points in the right half of a panel: 1 - cos and sin of their longitudes from its middle.
 struct AcrossPanel {
@@ -94,7 +96,7 @@ struct PowerRow {
 // of the panel.
 struct PowerPolynomial {
   float per_v;  // t / v
-  float factor[Chebyshev::terms];
+  float factor[terms_across];
 
   HWY_INLINE V mean_of(V v) const {
     const D d;
@@ -122,9 +124,9 @@ class PowerPolynomials {
         const V w = broadcast(most) * hn::Load(d, chebyshev.nodes + part * lanes);
         hn::Store(log_of_mean(k, across, gamma, w / gamma), d, logs + part * lanes);
       }
-      for (std::size_t n = 0; n < Chebyshev::terms; ++n) {
+      for (std::size_t n = 0; n < terms_across; ++n) {
         factors_[i][n] = 0;
-        for (std::size_t j = 0; j < Chebyshev::terms; ++j) factors_[i][n] += chebyshev.weight[n][j] * double(logs[j]);
+        for (std::size_t j = 0; j < terms_across; ++j) factors_[i][n] += chebyshev.weight[n][j] * double(logs[j]);
       }
     }
   }
@@ -132,7 +134,7 @@ class PowerPolynomials {
   [[nodiscard]] PowerPolynomial at(const PowerRow& row) const {
     const double t = (row.gamma - middle_) / reach_;
     PowerPolynomial p{float(row.gamma / most_), {}};
-    for (std::size_t n = 0; n < Chebyshev::terms; ++n) {
+    for (std::size_t n = 0; n < terms_across; ++n) {
       const double low = factors_[0][n], here = factors_[1][n], high = factors_[2][n];
       p.factor[n] = float(here + t * (0.5 * (high - low) + t * (0.5 * (high + low) - here)));
     }
@@ -158,7 +160,7 @@ class PowerPolynomials {
   }
 
   double most_, middle_, reach_;
-  double factors_[3][Chebyshev::terms];
+  double factors_[3][terms_across];
 };
 
 }  // namespace HWY_NAMESPACE

@@ -15,6 +15,7 @@
 #include <hwy/highway.h>
 
 #include "envmap/prefilter/near_field/narrow_power-inl.h"
+#include "envmap/prefilter/near_field/power_on_face-inl.h"
 #include "envmap/prefilter/near_field/texel_rows-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -189,32 +190,96 @@ Cells cells_of(double ahead, double aside, double reach, int size) {
   return {std::max(0, cell(angle - wide)), std::min(size - 1, cell(angle + wide))};
 }
 
+// What a lobe covers of a face.
+struct Window {
+  OnCube place;
+  Cells across, down;
+  double s, t, wide;  // The direction's place, and the side of a texel.
+
+  [[nodiscard]] int count() const { return across.last - across.first + 1; }
+  // The left or upper side of a texel, from the direction's place.
+  [[nodiscard]] double left(double column) const { return column * wide - 1 - s; }
+  [[nodiscard]] double top(double row) const { return row * wide - 1 - t; }
+  [[nodiscard]] RowOfTexels row_of(const Level& source, int face, int row) const {
+    const double x = left(across.first), y = top(row);
+    return {source.row(face, row), across.first, count(), {x, x + wide, y, y + wide}};
+  }
+};
+
+Flux over_face(const Light& light, const LevelKernel& k, int face, const Window& w) {
+  const Rules rules = rules_for(k, w.wide, w.across.first, w.count());
+  for (const RuleAcross& r : rules.used())
+    for (std::size_t e = 0; e < r.rule->count; ++e)
+      for (int i = 0; i < w.count() + int(virtual_lanes); ++i)
+        r.x[e * r.stride + std::size_t(i)] = float(w.left(w.across.first + i + r.rule->at[e]));
+  Flux sum(0);
+  for (int row = w.down.first; row <= w.down.last; ++row)
+    sum += OverRow(w.place, k, rules, w.row_of(light.source, face, row), light);
+  return sum;
+}
+
+template <bool cosine>
+Flux over_power_face(const Light& light, const LevelKernel& k, int face, const Window& w) {
+  const D d;
+  const auto panels = std::size_t(std::ceil(std::max(1.0, variation_over(k, w.wide))));
+  const double panel = w.wide / double(panels), first = 0.5 / double(panels);
+  const Middles1d across(w.left(w.across.first + first), w.left(w.across.last + 1 - first)),
+      down(w.top(w.down.first + first), w.top(w.down.last + 1 - first));
+  const PanelMeans<cosine> means(w.place, k, across, down, panel);
+  const auto stride = std::size_t(w.count()) + virtual_lanes;
+  thread_local std::vector<float> x;  // Of the first panels of all texels, then of the second ones.
+  x.resize(panels * stride);
+  for (std::size_t n = 0; n < panels; ++n)
+    for (std::size_t i = 0; i < stride; ++i)
+      x[n * stride + i] = float(w.left(w.across.first + double(i) + first * double(2 * n + 1)));
+  const V middle = broadcast(across.middle), inverse = broadcast(1 / across.half);
+  std::vector<typename PanelMeans<cosine>::Row> rows(panels);
+  Sums total;
+  for (int row = w.down.first; row <= w.down.last; ++row) {
+    const RowOfTexels texels = w.row_of(light.source, face, row);
+    for (std::size_t m = 0; m < panels; ++m) rows[m] = means.row(w.top(row + first * double(2 * m + 1)));
+    for (int i = 0; i < texels.count; i += int(virtual_lanes)) {
+      const EightTexels eight(texels, i, light);
+      for (std::size_t part = 0; part < parts; ++part) {
+        V sum = hn::Zero(d);
+        for (std::size_t n = 0; n < panels; ++n) {
+          const V ds = hn::LoadU(d, &x[n * stride + std::size_t(i) + part * lanes]), t = (ds - middle) * inverse;
+          for (const auto& of_row : rows) {
+            const V versine = w.place.versine(ds, broadcast(of_row.y));
+            const V mean = exp2_small(d, log2_of_power(k, broadcast(k.part) * versine) + of_row.at(t));
+            sum += hn::IfThenElseZero(hn::Lt(versine, broadcast(k.end)), mean);
+          }
+        }
+        total.add(part, sum, eight.light[0] + part * lanes, virtual_lanes);
+      }
+    }
+  }
+  const auto texels = std::size_t(w.count()) * std::size_t(w.down.last - w.down.first + 1);
+  count(Work::near_field_points, texels * panels * panels + PanelMeans<cosine>::values);
+  return panel * panel * total.whole();
+}
+
 Flux NearFieldCube(const Light& light, const LevelKernel& k, const Direction& n) {
-  const Level& source = light.source;
   const double reach = 2 * portable::asin(std::sqrt(0.5 * double(k.end)));
-  const int size = source.height();
+  const int size = light.source.height();
   const double wide = 2.0 / size;
   Flux sum(0);
   for (int face = 0; face < 6; ++face) {
     const Cube::Axes& a = Cube::axes[std::size_t(face)];
     const double ahead = glm::dot(n, a.forward), right = glm::dot(n, a.right), up = glm::dot(n, a.up);
     if (ahead < 0.3) continue;  // Beyond a corner by more than 0.2 radians.
-    const Cells across = cells_of(ahead, right, reach, size), down = cells_of(ahead, -up, reach, size);
     const double s = right / ahead, t = -up / ahead;
-    const int count = across.last - across.first + 1;
-    if (count <= 0) continue;
-    const OnCube place{float(s), float(t), float(std::sqrt(1 + s * s + t * t))};
-    const double left = across.first * wide - 1 - s;
-    const Rules rules = rules_for(k, wide, across.first, count);
-    for (const RuleAcross& r : rules.used())
-      for (std::size_t e = 0; e < r.rule->count; ++e)
-        for (int i = 0; i < count + int(virtual_lanes); ++i)
-          r.x[e * r.stride + std::size_t(i)] = float(left + (i + r.rule->at[e]) * wide);
-    for (int row = down.first; row <= down.last; ++row) {
-      const double y = row * wide - 1 - t;
-      sum += OverRow(place, k, rules, {source.row(face, row), across.first, count, {left, left + wide, y, y + wide}},
-                     light);
-    }
+    const Window w{{float(s), float(t), float(std::sqrt(1 + s * s + t * t))},
+                   cells_of(ahead, right, reach, size),
+                   cells_of(ahead, -up, reach, size),
+                   s,
+                   t,
+                   wide};
+    if (w.count() <= 0 || w.down.last < w.down.first) continue;
+    if (!is_power(k, wide))
+      sum += over_face(light, k, face, w);
+    else
+      sum += k.cosine ? over_power_face<true>(light, k, face, w) : over_power_face<false>(light, k, face, w);
   }
   return sum;
 }
