@@ -4,7 +4,8 @@
 // The truth is the exact sum.
 //
 //   kappa [LIGHTS [LATLONG CUBE [LEAST MOST]]]       lights, sizes of the sources, and which parameters of lobes
-//                                                    (of the narrowest Phong lobes of a grid: its rows)
+//                                                    (of the narrowest Phong lobes of a grid: its rows;
+//                                                    of panels of a cube: their number)
 #include <fmt/format.h>
 
 #include <cmath>
@@ -16,6 +17,7 @@
 #include "envmap/operate/measure.h"
 #include "envmap/prefilter/exact/exact.h"
 #include "envmap/prefilter/multilevel/multilevel.h"
+#include "envmap/prefilter/near_field/point_rules.h"
 #include "envmap/prefilter/prefilter.h"
 #include "envmap/prefilter/source_cube.h"
 #include "narrowest_phong.h"
@@ -117,6 +119,28 @@ void print_narrowest(int rows, Projection projection, int size, int lights) {
   std::fflush(stdout);
 }
 
+// Phong lobes whose texels of a cube are divided into panels just small enough.
+void print_panels(int panels, int size, int lights) {
+  const double side = 2.0 / size;
+  std::string line = fmt::format("phong, {} panels cube {:4}:", panels, size);
+  for (const double error : errors) {
+    double least = 7e3, most = 1e8;  // As narrow as panels serve.
+    const auto plan_at = [&](double exponent) {
+      return multilevel_plan(Phong{exponent}, error, 256, Projection::cube);
+    };
+    while (most / least > 1.001) {
+      const double middle = std::sqrt(least * most);
+      const auto plan = plan_at(middle);
+      const bool more = plan->near_field && panels_on_face(*plan->near_field, side).value_or(1000) > panels;
+      (more ? most : least) = middle;
+    }
+    line += fmt::format("  {:g} ({:.0f}) {:.2f}", error, least,
+                        worst_of(Phong{least}, *plan_at(least), error, Projection::cube, size, lights));
+  }
+  fmt::print("{}\n", line);
+  std::fflush(stdout);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -134,6 +158,8 @@ int main(int argc, char** argv) {
       print(LobeShape::phong, exponent, projection, size, lights);
     for (const int rows : {512, 1024, 2048})
       if (rows >= least && rows <= most) print_narrowest(rows, projection, size, lights);
+    for (const int panels : {1, 2, 3})
+      if (projection == Projection::cube && panels >= least && panels <= most) print_panels(panels, size, lights);
     for (const double exponent : {2.0, 6.0, 40.0, 1000.0, 12000.0, 1e6})
       print(LobeShape::blinn_phong, exponent, projection, size, lights);
   }

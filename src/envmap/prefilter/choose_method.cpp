@@ -28,16 +28,24 @@ constexpr double grid_node = 80;                      // All grids of a source, 
 constexpr double interpolated = 150;                  // An output or a node that is interpolated from a grid.
 constexpr double tap = 0.07;                          // A node of a window whose kernel value is shared.
 constexpr double ggx_value = 0.6, power_value = 0.9;  // A node of a window whose kernel value is computed.
-constexpr double near_field_point = 0.65, power_texel = 1.6, power_point = 1.6, power_panel = 2.6;
+constexpr double near_field_point = 0.65, power_texel = 1.6, power_point = 1.6, panel = 1.5;
 constexpr double panel_nodes = 1024;  // PanelMeans::values of power_on_face-inl.h
 
 // The near field of one output.
 double near_field_cost(const Job& job, const LevelKernel& kernel) {
   if (kernel.kind == LevelKernel::Kind::power) {
     const double seen = 0.5 * double(kernel.end) * job.size(), reach = std::sqrt(2 * double(kernel.end));
+    if (job.cube()) {
+      const double side = 2.0 / job.source.height();
+      const auto panels = panels_on_face(kernel, side);
+      if (!panels) return 500 + power_point * points_in_texel(kernel, side) * seen;
+      const int inner = *panels - 1;
+      const double near = inner > 0 ? std::min(1.0, portable::pow(reach_of_panels(kernel, side, inner) / reach, 2)) : 0;
+      return 500 + panel * ((inner > 0 ? 2 : 1) * panel_nodes +
+                            1.3 * seen * std::lerp(*panels * *panels, inner * inner, near));
+    }
     const double side = pi / job.rows(), panels = std::ceil(std::max(1.0, variation_over(kernel, side)));
     if (panels > most_panels) return 500 + power_point * points_in_texel(kernel, side) * seen;
-    if (job.cube()) return 500 + power_panel * (panel_nodes + 1.3 * panels * panels * seen);
     const double polar = 1 - portable::cos(std::min(0.5 * pi, 64 * side + reach));  // By points.
     return 500 + (power_texel * panels + power_point * points_in_texel(kernel, side) * polar) * seen;
   }
@@ -46,7 +54,7 @@ double near_field_cost(const Job& job, const LevelKernel& kernel) {
 }
 
 double cost_of(const Job& job, const MultilevelPlan& plan) {
-  double once = (job.cube() ? 30 : 12) * job.size() + (job.cube() ? 3 : 1) * grid_node * plan.finest() * plan.finest();
+  double once = (job.cube() ? 60 : 12) * job.size() + (job.cube() ? 5 : 1) * grid_node * plan.finest() * plan.finest();
   double each = 0;
   if (plan.near_field) each += near_field_cost(job, *plan.near_field);
   if (plan.has_horizon_terms()) {

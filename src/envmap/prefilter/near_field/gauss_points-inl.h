@@ -125,7 +125,15 @@ struct OnLatlong {
 // A cube's face, with coordinates from -1 to 1. With p = (s, t, 1) the point and q the output's place on the face, x =
 // |p x q|^2 / (|p| |q| (|p| |q| + p.q)), and |p x q|^2 is a sum of squares of differences.
 struct OnCube {
-  float s, t, length;  // q, and its length.
+  double exact_s, exact_t;  // q
+  float s, t, length;       // In float, and its length.
+
+  OnCube(double at_s, double at_t)
+      : exact_s(at_s),
+        exact_t(at_t),
+        s(float(at_s)),
+        t(float(at_t)),
+        length(float(std::sqrt(1 + at_s * at_s + at_t * at_t))) {}
 
   HWY_INLINE PiecePoints points_of(const Piece& p) const {
     PiecePoints out;
@@ -162,6 +170,11 @@ struct OnCube {
     const V dot = broadcast(1) + (s1 * s0 + t1 * t0);
     const V both = hn::Sqrt(square(s1, t1)) * broadcast(length);
     return cross / (both * (both + dot));
+  }
+  [[nodiscard]] double exact_versine(double ds, double dt) const {
+    const double s1 = exact_s + ds, t1 = exact_t + dt, turn = ds * exact_t - dt * exact_s;
+    const double both = std::sqrt((1 + s1 * s1 + t1 * t1) * (1 + exact_s * exact_s + exact_t * exact_t));
+    return (turn * turn + (ds * ds + dt * dt)) / (both * (both + 1 + s1 * exact_s + t1 * exact_t));
   }
   // Its solid angle over that in the middle of the face.
   HWY_INLINE V area(V ds, V dt) const {

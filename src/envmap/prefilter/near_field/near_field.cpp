@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include "envmap/base/without_avx512.h"
 #include "envmap/prefilter/multilevel/multilevel_kernels.h"
@@ -194,12 +195,20 @@ Cells cells_of(double ahead, double aside, double reach, int size) {
 struct Window {
   OnCube place;
   Cells across, down;
-  double s, t, wide;  // The direction's place, and the side of a texel.
+  double wide;  // The side of a texel.
 
   [[nodiscard]] int count() const { return across.last - across.first + 1; }
   // The left or upper side of a texel, from the direction's place.
-  [[nodiscard]] double left(double column) const { return column * wide - 1 - s; }
-  [[nodiscard]] double top(double row) const { return row * wide - 1 - t; }
+  [[nodiscard]] double left(double column) const { return column * wide - 1 - place.exact_s; }
+  [[nodiscard]] double top(double row) const { return row * wide - 1 - place.exact_t; }
+  // What of it lies within a distance of the direction's place.
+  [[nodiscard]] Window within(double distance) const {
+    const auto cells = [&](double at, const Cells& all) {
+      const auto cell = [&](double beside) { return int(std::floor((beside + 1 + at) / wide)); };
+      return Cells{std::clamp(cell(-distance), all.first, all.last), std::clamp(cell(distance), all.first, all.last)};
+    };
+    return {place, cells(place.exact_s, across), cells(place.exact_t, down), wide};
+  }
   [[nodiscard]] RowOfTexels row_of(const Level& source, int face, int row) const {
     const double x = left(across.first), y = top(row);
     return {source.row(face, row), across.first, count(), {x, x + wide, y, y + wide}};
@@ -218,45 +227,87 @@ Flux over_face(const Light& light, const LevelKernel& k, int face, const Window&
   return sum;
 }
 
+// The texels of a window, each divided into panels x panels.
+template <bool cosine>
+class PanelsOnFace {
+ public:
+  PanelsOnFace(const LevelKernel& k, const Window& window, int panels)
+      : window_(window),
+        count_(std::size_t(panels)),
+        half_(0.5 / panels),
+        area_(float(window.wide / panels * (window.wide / panels))),
+        stride_(std::size_t(window.count()) + virtual_lanes),
+        across_(window.left(window.across.first + half_), window.left(window.across.last + 1 - half_)),
+        means_(window.place, k, across_,
+               {window.top(window.down.first + half_), window.top(window.down.last + 1 - half_)}, window.wide / panels),
+        places_(count_ * stride_),
+        rows_(count_) {
+    for (std::size_t n = 0; n < count_; ++n)
+      for (std::size_t i = 0; i < stride_; ++i) {
+        const double column = window.across.first + double(i) + half_ * double(2 * n + 1);
+        places_[n * stride_ + i] = float((window.left(column) - across_.middle) / across_.half);
+      }
+  }
+
+  // @param row of the face, which may lie beside the window.
+  void set_row(int row) {
+    for (std::size_t m = 0; m < count_; ++m) rows_[m] = means_.row(window_.top(row + half_ * double(2 * m + 1)));
+  }
+
+  // The integral of the power over each texel of a vector from a column of the window on.
+  [[nodiscard]] HWY_INLINE V sum_at(int column) const {
+    const D d;
+    const auto k = std::size_t(column - window_.across.first);
+    V sum = hn::Zero(d);
+    for (std::size_t n = 0; n < count_; ++n) {
+      const V t = hn::LoadU(d, &places_[n * stride_ + k]);
+      for (const auto& row : rows_) sum += exp2_small(d, row.at(t));
+    }
+    return broadcast(area_) * sum;
+  }
+
+  [[nodiscard]] std::size_t values_of(std::size_t texels) const { return texels * count_ * count_; }
+
+ private:
+  Window window_;
+  std::size_t count_;
+  double half_;  // Half of a panel's side, as a part of a texel's.
+  float area_;
+  std::size_t stride_;
+  Middles1d across_;
+  PanelMeans<cosine> means_;
+  std::vector<float> places_;  // From -1 to 1: of the first panels of all texels, then of the second ones.
+  std::vector<typename PanelMeans<cosine>::Row> rows_;
+};
+
+// Texels in the middle, where a power falls less, are divided into one panel less.
 template <bool cosine>
 Flux over_power_face(const Light& light, const LevelKernel& k, int face, const Window& w) {
-  const D d;
-  const auto panels = std::size_t(std::ceil(std::max(1.0, variation_over(k, w.wide))));
-  const double panel = w.wide / double(panels), first = 0.5 / double(panels);
-  const Middles1d across(w.left(w.across.first + first), w.left(w.across.last + 1 - first)),
-      down(w.top(w.down.first + first), w.top(w.down.last + 1 - first));
-  const PanelMeans<cosine> means(w.place, k, across, down, panel);
-  const auto stride = std::size_t(w.count()) + virtual_lanes;
-  thread_local std::vector<float> x;  // Of the first panels of all texels, then of the second ones.
-  x.resize(panels * stride);
-  for (std::size_t n = 0; n < panels; ++n)
-    for (std::size_t i = 0; i < stride; ++i)
-      x[n * stride + i] = float(w.left(w.across.first + double(i) + first * double(2 * n + 1)));
-  const V middle = broadcast(across.middle), inverse = broadcast(1 / across.half);
-  std::vector<typename PanelMeans<cosine>::Row> rows(panels);
+  const int panels = panels_on_face(k, w.wide).value();
+  PanelsOnFace<cosine> outer(k, w, panels);
+  std::optional<PanelsOnFace<cosine>> inner;
+  const double reach = panels > 1 ? reach_of_panels(k, w.wide, panels - 1) : 0;
+  if (panels > 1) inner.emplace(k, w.within(reach), panels - 1);
   Sums total;
+  std::size_t values = (inner ? 2 : 1) * PanelMeans<cosine>::values;
   for (int row = w.down.first; row <= w.down.last; ++row) {
     const RowOfTexels texels = w.row_of(light.source, face, row);
-    for (std::size_t m = 0; m < panels; ++m) rows[m] = means.row(w.top(row + first * double(2 * m + 1)));
+    outer.set_row(row);
+    if (inner) inner->set_row(row);
     for (int i = 0; i < texels.count; i += int(virtual_lanes)) {
+      const Piece& p = texels.texel;
+      const double left = p.x0 + i * w.wide, right = left + virtual_lanes * w.wide;
+      const bool is_near = portable::hypot(std::max(-left, right), std::max(-p.y0, p.y1)) < reach;
+      const PanelsOnFace<cosine>& divided = is_near ? *inner : outer;
       const EightTexels eight(texels, i, light);
-      for (std::size_t part = 0; part < parts; ++part) {
-        V sum = hn::Zero(d);
-        for (std::size_t n = 0; n < panels; ++n) {
-          const V ds = hn::LoadU(d, &x[n * stride + std::size_t(i) + part * lanes]), t = (ds - middle) * inverse;
-          for (const auto& of_row : rows) {
-            const V versine = w.place.versine(ds, broadcast(of_row.y));
-            const V mean = exp2_small(d, log2_of_power(k, broadcast(k.part) * versine) + of_row.at(t));
-            sum += hn::IfThenElseZero(hn::Lt(versine, broadcast(k.end)), mean);
-          }
-        }
-        total.add(part, sum, eight.light[0] + part * lanes, virtual_lanes);
-      }
+      for (std::size_t part = 0; part < parts; ++part)
+        total.add(part, divided.sum_at(w.across.first + i + int(part * lanes)), eight.light[0] + part * lanes,
+                  virtual_lanes);
+      values += divided.values_of(virtual_lanes);
     }
   }
-  const auto texels = std::size_t(w.count()) * std::size_t(w.down.last - w.down.first + 1);
-  count(Work::near_field_points, texels * panels * panels + PanelMeans<cosine>::values);
-  return panel * panel * total.whole();
+  count(Work::near_field_points, values);
+  return total.whole();
 }
 
 Flux NearFieldCube(const Light& light, const LevelKernel& k, const Direction& n) {
@@ -268,15 +319,12 @@ Flux NearFieldCube(const Light& light, const LevelKernel& k, const Direction& n)
     const Cube::Axes& a = Cube::axes[std::size_t(face)];
     const double ahead = glm::dot(n, a.forward), right = glm::dot(n, a.right), up = glm::dot(n, a.up);
     if (ahead < 0.3) continue;  // Beyond a corner by more than 0.2 radians.
-    const double s = right / ahead, t = -up / ahead;
-    const Window w{{float(s), float(t), float(std::sqrt(1 + s * s + t * t))},
+    const Window w{{right / ahead, -up / ahead},
                    cells_of(ahead, right, reach, size),
                    cells_of(ahead, -up, reach, size),
-                   s,
-                   t,
                    wide};
     if (w.count() <= 0 || w.down.last < w.down.first) continue;
-    if (!is_power(k, wide))
+    if (!panels_on_face(k, wide))
       sum += over_face(light, k, face, w);
     else
       sum += k.cosine ? over_power_face<true>(light, k, face, w) : over_power_face<false>(light, k, face, w);

@@ -8,6 +8,9 @@
 namespace envmap::prefiltering {
 namespace {
 
+// The variation over a panel of a face up to which its error is below kappa (tests/bench/kappa.cpp).
+constexpr double widest_panel = 1.35;
+
 // A rule for sides over which a power falls far.
 struct SteepRule {
   SideRule rule;
@@ -40,6 +43,17 @@ const SteepRule& steepest(const LevelKernel& k, double side) {
 
 double variation_over(const LevelKernel& k, double side) {
   return side * double(k.power * k.part) * (std::sqrt(2 * double(k.end)) + side) / double(k.max_variation);
+}
+
+std::optional<int> panels_on_face(const LevelKernel& k, double side) {
+  constexpr double narrow = 5e-3;
+  const int panels = std::max(1, int(std::ceil(variation_over(k, side) / widest_panel)));
+  if (k.kind != LevelKernel::Kind::power || k.part * k.end > narrow || panels > most_panels) return std::nullopt;
+  return panels;
+}
+
+double reach_of_panels(const LevelKernel& k, double side, int panels) {
+  return widest_panel * panels * double(k.max_variation) / (side * double(k.power * k.part)) - side;
 }
 
 const SideRule& steepest_rule(const LevelKernel& k, double side) { return steepest(k, side).rule; }

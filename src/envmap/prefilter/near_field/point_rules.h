@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstddef>
+#include <optional>
 #include <span>
 
 #include "envmap/prefilter/multilevel/multilevel_kernels.h"
@@ -41,6 +42,11 @@ inline constexpr int most_panels = 8;
 
 /// The power of e by which a power falls over a side, where it is steepest, over LevelKernel::max_variation.
 double variation_over(const LevelKernel& k, double side);
+
+/// Panels of a side of a cube's texel (power_on_face-inl.h). None where a lobe is too wide or falls too far.
+std::optional<int> panels_on_face(const LevelKernel& k, double side);
+/// The angle from the middle of a lobe up to which so many panels serve.
+double reach_of_panels(const LevelKernel& k, double side, int panels);
 
 /// The sparsest rule that serves a power over a side, or the densest that there is.
 const SideRule& steepest_rule(const LevelKernel& k, double side);
