@@ -309,6 +309,70 @@ TEST(BadValues, AreUsageErrorsWithFieldAndRange) {
     }
 }
 
+// What belongs to another map, or holds less than it says.
+TEST(BadValues, ThatDoNotFitTheirMapAreUsageErrors) {
+  const auto refused = [](const std::string& what, const std::function<void()>& call, const std::string& words) {
+    try {
+      call();
+      ADD_FAILURE() << what << ": no error";
+    } catch (const UsageError& e) {
+      EXPECT_NE(std::string(e.what()).find(words), std::string::npos) << what << ": " << e.what();
+    }
+  };
+  const EnvironmentMap sun = generate(Sun{.radius_degrees = 2}, Projection::cube, 64);
+  const FoundLights found = find_lights(sun);
+  ASSERT_FALSE(found.lights.empty());
+  EnvironmentMap small = sky(Projection::cube).clone();
+  refused(
+      "take_out", [&] { take_out(small, found); }, "larger map");
+  const EnvironmentMap& cube = sky(Projection::cube);
+  std::vector<float> room(std::size_t(3 * 8 * 24));
+  for (const Layout layout : {Layout::single, Layout::pair, Layout::api}) {
+    refused(
+        "write", [&] { (void)write("x.exr", cube, {.layout = layout}); }, "no layout of a cube");
+    MutablePixelBuffer to{.pixels = reinterpret_cast<std::byte*>(room.data()), .width = 4, .height = 24};
+    refused(
+        "copy_to", [&] { copy_to(cube, to, {.layout = layout}); }, "a layout is");
+    const PixelBuffer from{.pixels = reinterpret_cast<const std::byte*>(room.data()), .width = 16, .height = 8};
+    refused(
+        "map_of", [&] { (void)map_of(from, {.layout = layout}); }, "no layout of a cube");
+  }
+  refused(
+      "facts",
+      [&] {
+        (void)encode(cube, {.format = "exr", .facts = {{"a b", "c"}}});
+      },
+      "words without spaces");
+  const ImportanceSampler sampler(cube);
+  refused(
+      "sample",
+      [&] {
+        (void)sampler.sample({1, 0.5});
+      },
+      "below 1");
+  refused(
+      "distant_lights", [&] { (void)distant_lights(cube, 0); }, "count must be");
+  refused(
+      "distant_lights", [&] { (void)distant_lights(cube, 257); }, "count must be");
+  refused(
+      "irradiance_of_sun", [&] { (void)irradiance_of_sun(cube, -5); }, "illuminance");
+  Harmonics two = project(cube, 2);
+  refused(
+      "scale_degrees", [&] { scale_degrees(two, std::vector<double>(9, 1.0)); }, "one for each degree");
+  refused(
+      "bake", [&] { (void)bake(cube.clone(), engine_named("three"), ""); }, "empty");
+  EnvironmentMap flawed = cube.clone();
+  flawed.base().texel(0, 0, 0)->x = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_THROW((void)light_error(flawed, found, 0.5), InputError);
+}
+
+TEST(BadValues, AMovedLevelIsEmpty) {
+  Level from(Projection::cube, 4);
+  const Level to = std::move(from);
+  EXPECT_EQ(from.faces() + from.width() + from.height(), 0);  // NOLINT: what this is about.
+  EXPECT_EQ(to.faces(), 6);
+}
+
 TEST(BadValues, AnEmptyMapIsAUsageError) {
   const EnvironmentMap none;
   EXPECT_THROW((void)none.projection(), UsageError);

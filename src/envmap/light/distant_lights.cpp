@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "envmap/base/bounds.h"
 #include "envmap/maths/luminance.h"
 #include "envmap/maths/portable.h"
 #include "envmap/operate/convert.h"
@@ -94,6 +95,7 @@ class Sky {
 }  // namespace
 
 std::vector<DistantLight> distant_lights(const EnvironmentMap& environment, int count) {
+  check_range({"count", 1, max_distant_lights}, count);
   const Sky sky(texels_of(environment));
   std::vector<Part> parts{sky.part(0, 0, sky_columns, sky_rows)}, whole;
   while (!parts.empty() && int(parts.size() + whole.size()) < count) {

@@ -5,6 +5,7 @@
 
 #include "envmap/maths/portable.h"
 #include "envmap/operate/grade.h"
+#include "envmap/operate/refuse_flaws.h"
 #include "envmap/prefilter/lobe_formulas.h"
 
 namespace envmap {
@@ -39,6 +40,7 @@ double largest_ratio(const Flux& error, const Flux& reference) {
 
 LightError light_error(const EnvironmentMap& map, const FoundLights& found, double roughness) {
   check_range({"roughness", 1e-3, 1}, roughness);
+  require_finite(map);
   if (found.lights.empty()) return {};
   // An arc is longer than its chord by less than this as far as lights reach: 0.7 radians.
   constexpr double arc = 1.03;

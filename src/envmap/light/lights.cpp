@@ -8,6 +8,7 @@
 #include <unordered_map>
 #include <unordered_set>
 
+#include "envmap/base/error.h"
 #include "envmap/base/run_operation.h"
 #include "envmap/light/bright_regions.h"
 #include "envmap/light/disc_angles.h"
@@ -378,6 +379,11 @@ FoundLights find_lights(const EnvironmentMap& map, const LightOptions& options, 
 }
 
 void take_out(EnvironmentMap& map, const FoundLights& found) {
+  check_levels(map);
+  const Level& level = map.base();
+  for (const auto& [t, colour] : found.without)
+    if (t.face < 0 || t.face >= level.faces() || t.i < 0 || t.i >= level.width() || t.j < 0 || t.j >= level.height())
+      throw UsageError("the lights were found in a larger map");
   for (const auto& [t, colour] : found.without) *map.base().texel(t.face, t.i, t.j) = colour;
   map.levels.erase(map.levels.begin() + 1, map.levels.end());
 }

@@ -104,6 +104,7 @@ RestoredSun restore_sun(EnvironmentMap& map, const Flux& irradiance, double radi
 }
 
 Flux irradiance_of_sun(const EnvironmentMap& map, double illuminance) {
+  check_not_negative("illuminance", Flux(illuminance));
   const Measures m = measure(map);
   const Flux colour = m.brightest > 0 ? Flux(m.brightest_value) / m.brightest : Flux(1);
   return illuminance * colour;

@@ -8,6 +8,7 @@
 #include <memory>
 #include <span>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "envmap/base/enumerators.h"
@@ -33,8 +34,21 @@ class Level {
   /// @throws UsageError where a side is out of its range (bounds.h) or the width of another map than a latlong one is
   /// not that of its projection, std::bad_alloc.
   Level(Projection projection, int size, int width = 0, std::size_t max_memory = 0);
-  Level(Level&&) noexcept = default;
-  Level& operator=(Level&&) noexcept = default;
+  /// What was moved from is empty: no faces, no rows.
+  Level(Level&& from) noexcept
+      : projection_(from.projection_),
+        faces_(std::exchange(from.faces_, 0)),
+        width_(std::exchange(from.width_, 0)),
+        height_(std::exchange(from.height_, 0)),
+        pixels_(std::move(from.pixels_)) {}
+  Level& operator=(Level&& from) noexcept {
+    if (this == &from) return *this;
+    projection_ = from.projection_;
+    faces_ = std::exchange(from.faces_, 0), width_ = std::exchange(from.width_, 0);
+    height_ = std::exchange(from.height_, 0);
+    pixels_ = std::move(from.pixels_);
+    return *this;
+  }
   [[nodiscard]] Level clone() const { return Level(*this); }
 
   [[nodiscard]] Projection projection() const { return projection_; }

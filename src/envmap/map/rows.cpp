@@ -45,6 +45,7 @@ std::vector<Rows> all_rows_of(EnvironmentMap&& map) {
 }
 
 Rows with_x_negated(const Rows& rows) {
+  check_rows(rows);
   Rows negated = rows;
   negated.fill = [rows](int face, int row, std::span<Colour> out) {
     rows.fill(rows.projection == Projection::cube && face < 2 ? 1 - face : face, row, out);

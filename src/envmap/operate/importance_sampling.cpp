@@ -106,6 +106,7 @@ ImportanceSampler::ImportanceSampler(const EnvironmentMap& map, const Run& run) 
 ImportanceSampler::Sample ImportanceSampler::sample(const Point2& u) const {
   constexpr Bounds unit{"u", 0, 1};
   check_range(unit, u.x), check_range(unit, u.y);
+  if (u.x == 1 || u.y == 1) throw UsageError("u must be below 1");
   const Tables& t = *tables_;
   // One number finds the texel, and what is left of it the column in it.
   const double place = u.x * double(t.bins.size());

@@ -301,7 +301,7 @@ std::vector<double> irradiance_factors(int order) {
 
 void scale_degrees(Harmonics& h, std::span<const double> factors) {
   check_series(h);
-  if (factors.size() <= std::size_t(h.order))
+  if (factors.size() != std::size_t(h.order) + 1)
     throw UsageError(
         fmt::format("factors must hold {} values, one for each degree, not {}", h.order + 1, factors.size()));
   for (int l = 0; l <= h.order; ++l)

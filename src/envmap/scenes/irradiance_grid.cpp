@@ -235,6 +235,7 @@ int IrradianceGrid::invalid() const {
 Flux IrradianceGrid::irradiance(const Direction& at, const Direction& normal) const {
   if (light.empty()) throw UsageError("an irradiance grid without cells has no light");
   const Direction n = checked_direction("normal", normal);
+  if (!std::isfinite(at.x + at.y + at.z)) throw UsageError("at must be finite");
   std::array<int, 3> low{}, high{};
   Direction part(0);
   for (int axis = 0; axis < 3; ++axis) {

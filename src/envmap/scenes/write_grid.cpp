@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 
 #include "envmap/base/error.h"
@@ -84,6 +85,13 @@ void check_grid_file(const std::string& path) {
 void write_grid(const std::string& path, const IrradianceGrid& grid, const CommitOptions& commit) {
   check_grid_file(path);
   if (grid.light.empty()) throw UsageError("an irradiance grid without cells cannot be written");
+  const auto cells = std::size_t(grid.cells[0]) * std::size_t(grid.cells[1]) * std::size_t(grid.cells[2]);
+  if (grid.light.size() != cells || grid.validity.size() != cells)
+    throw UsageError(fmt::format("an irradiance grid of {} cells has light for {} and validity for {}", cells,
+                                 grid.light.size(), grid.validity.size()));
+  for (const auto& colours : grid.light)
+    for (const auto& colour : colours)
+      if (!std::isfinite(colour.x + colour.y + colour.z)) throw UsageError("an irradiance grid holds NaN or infinity");
   OutputFile file(path, commit);
   if (extension_of(path) == "json") {
     const std::string text = json_of(grid);

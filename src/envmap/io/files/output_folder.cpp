@@ -122,6 +122,7 @@ void OutputFolder::check_entries() const {
 OutputFolder::OutputFolder(std::string path, std::span<const std::string> files, std::span<const std::string> earlier,
                            const CommitOptions& how)
     : path_(std::move(path)), files_(files.begin(), files.end()), earlier_(earlier.begin(), earlier.end()), how_(how) {
+  if (path_.empty()) throw UsageError("the name of the folder is empty");
   while (path_.size() > 1 && path_.ends_with('/')) path_.pop_back();
   std::error_code error;
   if (fs::exists(path_, error)) {

@@ -18,6 +18,7 @@
 #include <ImfTiledInputPart.h>
 #include <ImfTiledOutputFile.h>
 #include <fmt/format.h>
+#include <pthread.h>
 
 #include <algorithm>
 #include <array>
@@ -97,8 +98,11 @@ class ExrOutput final : public Imf::OStream {
   OutputFile& file_;
 };
 
-/// OpenEXR's helpers beside the caller, who works, too, where there are none.
+/// OpenEXR's helpers beside the caller, who works, too, where there are none. A forked process has none of its parent's
+/// and would wait for them: they end before, and the next file starts them anew.
 inline void use_our_threads() {
+  static const int registered = pthread_atfork([] { Imf::setGlobalThreadCount(0); }, nullptr, nullptr);
+  (void)registered;
   const int threads = thread_limit();
   Imf::setGlobalThreadCount(threads > 1 ? threads : 0);
 }

@@ -178,7 +178,8 @@ void copy_to(const EnvironmentMap& map, const MutablePixelBuffer& buffer, const 
   check_range({"level", 0, double(map.levels.size()) - 1}, options.level);
   if (options.layout) check_enumerator("layout", *options.layout);
   const Level& level = map.levels[std::size_t(options.level)];
-  if (options.layout && (level.projection() != Projection::cube || *options.layout >= Layout::files))
+  if (options.layout &&
+      (level.projection() != Projection::cube || *options.layout >= Layout::files || *options.layout < Layout::column))
     throw UsageError("a layout is column, row, cross, vcross or grid3x2, of a cube map");
   if (b.channels == 1) throw UsageError("channels must be 3 or 4, not 1: a map has colours");
   const Rows rows = rows_of(level, map.forward);

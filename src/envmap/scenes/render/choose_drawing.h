@@ -9,6 +9,10 @@
 
 namespace envmap {
 
+/// Whether a map can be drawn so, which says of a projection that is new whether it waits for shaders. resample and
+/// raycast draw any.
+bool can_draw(DrawMethod method, Projection to);
+
 /// What a map takes its time for.
 struct DrawLoad {
   std::size_t triangles = 0;

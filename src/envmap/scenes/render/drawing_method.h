@@ -42,8 +42,4 @@ inline constexpr std::string_view reflection_names[] = {"split-sum", "sampled"};
 template <>
 inline constexpr std::size_t enumerators<Reflection> = std::size(reflection_names);
 
-/// Whether a map can be drawn so, which says of a projection that is new whether it waits for shaders. resample and
-/// raycast draw any.
-bool can_draw(DrawMethod method, Projection to);
-
 }  // namespace envmap

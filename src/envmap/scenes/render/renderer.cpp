@@ -11,6 +11,7 @@
 #include "envmap/base/parallel.h"
 #include "envmap/map/image_view.h"
 #include "envmap/operate/convert.h"
+#include "envmap/scenes/render/choose_drawing.h"
 #include "envmap/scenes/render/face_image.h"
 
 namespace envmap {
