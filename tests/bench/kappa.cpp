@@ -124,7 +124,7 @@ void print_panels(int panels, int size, int lights) {
   const double side = 2.0 / size;
   std::string line = fmt::format("phong, {} panels cube {:4}:", panels, size);
   for (const double error : errors) {
-    double least = 7e3, most = 1e8;  // As narrow as panels serve.
+    double least = 2.1e3, most = 1e8;  // As narrow as panels serve.
     const auto plan_at = [&](double exponent) {
       return multilevel_plan(Phong{exponent}, error, 256, Projection::cube);
     };

@@ -224,6 +224,10 @@ TEST_F(Compare, TexelsThatAnAxisOnlyMovesAreTheSame) {
   succeeds({"convert", "a.exr", "turned.pfm", "--forward", "-x", "-q"});
   EXPECT_NE(envmap({"compare", "a.exr", "turned.pfm", "--from-forward-b", "-x"}).out.find("\nidentical\n"),
             std::string::npos);
+  succeeds({"convert", "a.exr", "own.exr"});
+  EXPECT_NE(envmap({"compare", "turned.pfm", "own.exr", "--from-forward", "-x"}).out.find("\nidentical\n"),
+            std::string::npos)
+      << "own.exr records its own axis";
 }
 
 TEST_F(Compare, SaysWhichLimitIsExceededEvenWhereTheDifferenceCannotBeWritten) {

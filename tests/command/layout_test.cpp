@@ -1,5 +1,6 @@
 // Where cube faces lie in an image, and that no way there and back changes a texel.
 #include <array>
+#include <cmath>
 #include <filesystem>
 
 #include "picture.h"
@@ -96,6 +97,26 @@ TEST_F(Layouts, AreKnownByTheirShapeAlone) {
   for (int face = 0; face < 6; ++face)
     save(path(std::string("bare_") + face_names.at(std::size_t(face)) + ".pfm"), face_directions(face, size));
   EXPECT_EQ(column_of("bare_{face}.pfm"), column);
+}
+
+// A smooth picture that ends at its sides, in the shapes that cameras and maps share.
+TEST_F(Layouts, OfPhotosAreToldFromThoseOfMaps) {
+  for (const auto& [width, height] : {std::pair{128, 96}, {96, 128}, {96, 64}, {128, 64}}) {
+    Picture photo = Picture::filled(width, height);
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < width; ++x)
+        for (int c = 0; c < 3; ++c)
+          photo.at(x, y)[c] = 0.1F + std::exp(-3 * float(x) / float(width)) + 2 * float(y) / float(height);
+    save(path("photo.pfm"), photo);
+    EXPECT_NE(envmap({"info", "photo.pfm"}).err.find("do not meet"), std::string::npos) << width << 'x' << height;
+    EXPECT_EQ(envmap({"info", "photo.pfm", "--from", width == 2 * height ? "latlong" : "cube"}).err, "");
+  }
+  for (const std::string layout : layouts) {
+    save(path("map.pfm"), cube_directions(layout, 32));
+    EXPECT_EQ(envmap({"info", "map.pfm"}).err, "") << layout;
+  }
+  save(path("map.pfm"), latlong_directions(32));
+  EXPECT_EQ(envmap({"info", "map.pfm"}).err, "");
 }
 
 TEST_F(Layouts, AreReadAsTheUserSays) {

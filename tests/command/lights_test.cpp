@@ -170,7 +170,21 @@ TEST_F(Lights, ThatWereClippedAreRestored) {
             0)
       << "redder than Rec. 709 has a colour for";
   fails(2, {"convert", "cut.png", "no.exr", "--restore-sun", "lots"}, {"--restore-sun"});
-  fails(3, {"convert", "sun.exr", "no.exr", "--restore-sun", "lux=1e-3"}, {"more than"});
+  fails(3, {"convert", "sun.exr", "no.exr", "--restore-sun", "lux=1e-3"}, {"no light is missing"});
+}
+
+TEST_F(Lights, ThatAreWholeAreNotRestoredTwice) {
+  ASSERT_EQ(envmap({"generate", "sun", "whole.exr", "--to", "latlong", "--size", "128", "--direction", "0.3,0.5,1",
+                    "--radius", "1", "--value", "5000"})
+                .status,
+            0);
+  const double lux = report({"lights", "whole.exr"})["lights"][0]["lux"].get<double>();
+  // The disc of --sun-radius holds a part of it alone.
+  fails(3, {"convert", "whole.exr", "no.exr", "--restore-sun", "lux=" + std::to_string(0.9 * lux)},
+        {"no light is missing"});
+  ASSERT_EQ(envmap({"generate", "sky", "sky.exr", "--to", "latlong", "--size", "64"}).status, 0);
+  const Result far = envmap({"convert", "sky.exr", "far.exr", "--restore-sun", "lux=80000", "--force"});
+  EXPECT_NE(far.err.find("times as much as all the rest"), std::string::npos) << far.err;
 }
 
 }  // namespace

@@ -26,19 +26,23 @@ const std::array families{Family{"ggx", 0.02, 1, 2, [](double x) { return LobeFo
                           Family{"blinn-phong", 1, 1e6, 1.7, [](double x) { return LobeFormula(BlinnPhong(x)); }},
                           Family{"charlie", 0.1, 1, 1.7, [](double x) { return LobeFormula(Charlie(x)); }}};
 
-// What makes a method another one, whose cost is its own: the near field, prefix sums at the horizon, and the widths
-// of texels over which the near field of a power is interpolated.
+// What makes a method another one, whose cost is its own: the near field of latlong maps, prefix sums at the horizon,
+// and the widths of texels over which the near field of a power is interpolated.
 std::array<int, 4> kind_of(const Choice& choice, const Level& source) {
   const auto* plan = std::get_if<MultilevelPlan>(&choice.plan);
   if (plan == nullptr) return {int(choice.method), -1, -1, -1};
+  const bool power = plan->near_field ? plan->near_field->kind == LevelKernel::Kind::power
+                                      : plan->steps[0].kernel.kind == LevelKernel::Kind::power;
+  if (power && source.projection() == Projection::cube)
+    return {int(choice.method), 0, int(plan->has_horizon_terms()), 0};
   const bool by_points = plan->near_field && source.projection() == Projection::latlong &&
                          variation_over(*plan->near_field, pi / source.height()) > most_panels;
   return {int(choice.method), int(plan->near_field.has_value()), int(plan->has_horizon_terms()), int(by_points)};
 }
 
 TEST(CostSteps, NeighboursCostAboutTheSame) {
-  std::array<Level, 3> sources{Level(Projection::latlong, 2048), Level(Projection::latlong, 512),
-                               Level(Projection::cube, 256)};
+  std::array<Level, 4> sources{Level(Projection::latlong, 2048), Level(Projection::latlong, 512),
+                               Level(Projection::cube, 1024), Level(Projection::cube, 256)};
   int compared = 0;
   for (const Family& family : families)
     for (const Level& source : sources)

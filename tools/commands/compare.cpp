@@ -252,7 +252,8 @@ int run(Request& o, Report& report) {
   read_a.all_levels = !o.one_level;
   ReadOptions read_b = read_a;
   if (o.from_b) read_b.projection = o.from_b;
-  if (o.forward_b) read_b.forward = o.forward_b;
+  // What is said of A is no word against what B itself records.
+  read_b.forward = o.forward_b, read_b.assumed_forward = o.read.forward;
   if (has_face(o.a) != has_face(o.b)) (has_face(o.a) ? read_b : read_a).faces.clear();
   Source a = read_map(o.a, read_a);
   const Source b = read_map(o.b, read_b);
@@ -324,7 +325,7 @@ Action define_compare(Options& o) {
   add_repair(o, r->read);
   o.group = groups::input_map;
   add_projection(o, "--from-b PROJECTION", r->from_b, "Projection of B (default: as for A)");
-  add_forward(o, "--from-forward-b AXIS", r->forward_b, "Axis at the centre of B (default: as for A)");
+  add_forward(o, "--from-forward-b AXIS", r->forward_b, "Axis at the centre of B (default: metadata, as for A)");
   return [r, &o](Report& report) {
     r->one_level = o.given("--level");
     return run(*r, report);

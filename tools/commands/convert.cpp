@@ -373,6 +373,7 @@ int run(Convert& o, Report& report) {
   if (o.gain_map.wanted) {
     if (!put_gain_map(o, *rows, write, resampler.choice(), report)) return 1;
   } else {
+    record_mirror(write.facts, mirror);
     const WriteOptions part = part_or_whole(o.shard, write, *rows, made_of);
     report.put_written(o.output, write_map(o.output, mirrored({*rows}, mirror), part, "convert"));
   }

@@ -76,12 +76,13 @@ int run(MergeRequest& o) {
   const std::vector<std::string> parts(o.names.begin(), o.names.end() - 1);
   check_files({output}, parts, {o.write.faces, {}});
   MergedShards joined = merge_shards(parts, o.read.max_pixels);
-  const WriteOptions how = options_of(output, joined.write, o.write);
+  WriteOptions how = options_of(output, joined.write, o.write);
   check_promise(output, joined, how);
   add_levels(joined.map, joined.making, how.border);
   const auto mirror = MirroredAxis(std::max(0, index_of(joined.making["mirror"], mirrored_axis_names)));
   if (mirror == MirroredAxis::y || (mirror != MirroredAxis::none && joined.map.projection() != Projection::cube))
     throw InputError("the parts ask for what engines do not mirror: damaged");
+  record_mirror(how.facts, mirror);
   write_map(output, mirrored(all_rows_of(joined.map), mirror), how, "merge");
   return 0;
 }

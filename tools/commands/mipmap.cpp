@@ -87,6 +87,7 @@ int run(MipmapRequest& o, Report& report) {
   else
     add_levels(map.levels, o.weights, o.levels);
   const std::vector<Rows> rows = mirrored(all_rows_of(map), mirror);
+  record_mirror(o.write.facts, mirror);
   const Written written = write_map(o.output, rows, o.write, "write");
   if (engine)
     tell_frame(o.output, *o.engine, *engine);

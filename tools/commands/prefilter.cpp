@@ -283,7 +283,10 @@ WriteOptions options_of(const Request& o, const Source& source, const EngineMap*
   if (o.scale) how.provenance.white_luminance.reset();
   if (engine && (!o.shard.part || o.shard.part->index == 1))
     how.pairs = irradiance_pairs(*engine, source.map, progress_line("spherical harmonics"));
-  if (!o.shard.part) return how;
+  if (!o.shard.part) {
+    if (engine) record_mirror(how.facts, engine->mirror);
+    return how;
+  }
   if (o.max_error) how.facts["whole-max-error"] = "yes";
   if (engine) leave_mirror_to_merge(how, engine->mirror);
   return part_or_whole(o.shard, how, o.map.to, sizes_of(levels), digest(source.map));

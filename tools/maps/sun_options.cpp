@@ -4,8 +4,10 @@
 
 #include "cli/console.h"
 #include "envmap/base/error.h"
+#include "envmap/light/lights.h"
 #include "envmap/light/restore_sun.h"
 #include "envmap/operate/atmosphere.h"
+#include "envmap/operate/measure.h"
 
 namespace tools {
 
@@ -27,6 +29,27 @@ Flux wanted_of(const Source& source, const std::string& words, double radius) {
   throw UsageError(fmt::format("--restore-sun: '{}' is none of lux=E, irradiance=R,G,B and atmosphere", words));
 }
 
+// A sun that was not clipped would become two.
+void check_missing(const Source& source, const std::string& input, const Flux& wanted) {
+  const ClippedSun clipped = clipped_sun(source.map);
+  const double unit = source.provenance.white_luminance.value_or(1.0F);
+  for (const DiscLight& light : find_lights(source.map).lights) {
+    const double apart = 180 / pi * angle_between(light.towards, clipped.towards);
+    if (apart < light.radius_degrees + clipped.degrees && luminance_of(light.irradiance) >= luminance_of(wanted))
+      throw InputError(fmt::format("its sun gives {:.6g} lux already, and {:.6g} are wanted: no light is missing",
+                                   unit * luminance_of(light.irradiance), unit * luminance_of(wanted)));
+  }
+  if (clipped.texels == 1)
+    warn(fmt::format("{}: one texel alone holds the largest value, so nothing shows that a sun was clipped there",
+                     input));
+  const double rest = luminance_of(irradiance(source.map, clipped.towards));
+  if (!source.provenance.white_luminance && luminance_of(wanted) > 100 * rest)
+    warn(fmt::format(
+        "{}: the restored sun lights {:.3g} times as much as all the rest. The file has no unit: 1 is taken "
+        "for 1 cd/m^2 (--scale-to sets another)",
+        input, luminance_of(wanted) / rest));
+}
+
 std::string numbers(const Flux& f) { return fmt::format("{:.6g} {:.6g} {:.6g}", f.x, f.y, f.z); }
 
 }  // namespace
@@ -45,7 +68,9 @@ void restore(Source& source, const std::string& input, const SunOptions& options
   const double radius = options.radius.value_or(sun_radius_degrees);
   const RestoredSun sun = [&] {
     try {
-      return restore_sun(source.map, wanted_of(source, options.restore, radius), radius);
+      const Flux wanted = wanted_of(source, options.restore, radius);
+      check_missing(source, input, wanted);
+      return restore_sun(source.map, wanted, radius);
     } catch (const InputError& e) {
       throw InputError(input, e.what());
     }

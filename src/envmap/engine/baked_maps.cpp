@@ -10,24 +10,12 @@
 #include "envmap/engine/babylon_irradiance.h"
 #include "envmap/engine/irradiance.h"
 #include "envmap/engine/level_roughness.h"
+#include "envmap/map/mirrored_rows.h"
 #include "envmap/operate/convert.h"
 #include "envmap/projection/matching_size.h"
 
 namespace envmap {
 namespace {
-
-// A cube with X or Z negated: the two faces of that axis change places, and images are mirrored along the other axes'
-// faces: left to right but for the faces of Y under Z, which has their up there.
-Rows mirrored(const Rows& rows, MirroredAxis mirror) {
-  if (mirror == MirroredAxis::x) return with_x_negated(rows);
-  Rows turned = rows;
-  turned.fill = [rows](int face, int row, std::span<Colour> out) {
-    const bool upside_down = face == 2 || face == 3;
-    rows.fill(face >= 4 ? 9 - face : face, upside_down ? rows.size - 1 - row : row, out);
-    if (!upside_down) std::ranges::reverse(out);
-  };
-  return turned;
-}
 
 int scaled(int size, int doublings) { return std::max(1, doublings < 0 ? size >> -doublings : size << doublings); }
 
@@ -39,21 +27,24 @@ std::string of_lobes(const ErrorBudget& budget, double max_error) {
 }  // namespace
 
 std::vector<Rows> mirrored(std::vector<Rows> levels, MirroredAxis mirror) {
-  if (mirror != MirroredAxis::none)
-    for (Rows& rows : levels) rows = mirrored(rows, mirror);
+  for (Rows& rows : levels) rows = mirrored_rows(rows, mirror);
   return levels;
 }
 
 std::optional<Rounding> mirrored(const std::optional<Rounding>& rounding, MirroredAxis mirror) {
   if (mirror == MirroredAxis::none || !rounding || !rounding->read_back) return rounding;
   const auto turn = [mirror](const Level& level) {
-    return level_of(mirrored(rows_of(level, Forward::plus_z), mirror));
+    return level_of(mirrored_rows(rows_of(level, Forward::plus_z), mirror));
   };
   Rounding turned = *rounding;
   turned.read_back = [turn, read_back = rounding->read_back](const Level& level) {
     return turn(read_back(turn(level)));
   };
   return turned;
+}
+
+void record_mirror(Facts& facts, MirroredAxis mirror) {
+  if (mirror != MirroredAxis::none) facts[std::string(mirrored_fact)] = mirrored_axis_names[std::size_t(mirror)];
 }
 
 std::map<std::string, std::string> irradiance_pairs(const EngineMap& map, const EnvironmentMap& source,
@@ -133,6 +124,7 @@ BakedMap Baker::make(const EngineMap& wanted, const std::optional<Rounding>& rou
                   : wanted.diffuse > 0 ? diffuse(wanted, budget, progress)
                                        : environment(wanted, budget);
   made.rows = mirrored(std::move(made.rows), wanted.mirror);
+  record_mirror(made.facts, wanted.mirror);
   return made;
 }
 

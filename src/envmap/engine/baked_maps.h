@@ -33,6 +33,9 @@ std::vector<Rows> mirrored(std::vector<Rows> levels, MirroredAxis mirror);
 /// blocks see another order of texels.
 std::optional<Rounding> mirrored(const std::optional<Rounding>& rounding, MirroredAxis mirror);
 
+/// Says in the facts of a file that it is mirrored, so that read() turns it back (map/mirrored_rows.h).
+void record_mirror(Facts& facts, MirroredAxis mirror);
+
 /// Makes the maps of engines out of one probe; what several want of it is prepared once.
 class Baker {
  public:

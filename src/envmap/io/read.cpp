@@ -23,9 +23,11 @@
 #include "envmap/io/images/read_pixels.h"
 #include "envmap/io/metadata.h"
 #include "envmap/io/read_photo.h"
+#include "envmap/map/mirrored_rows.h"
 #include "envmap/map/octahedral_border.h"
 #include "envmap/operate/border_samples.h"
 #include "envmap/operate/convert.h"
+#include "envmap/operate/edges_meet.h"
 #include "envmap/operate/measure.h"
 #include "envmap/operate/refuse_flaws.h"
 
@@ -236,6 +238,31 @@ std::optional<Panorama> place_panorama(Image& image, const ReadOptions& options)
   return overridden ? std::nullopt : found;
 }
 
+// A photo may have the shape of a map.
+void tell_of_edges(const Image& image, const DetectedLayout& found, const ReadOptions& options,
+                   const Metadata& recorded, Source& source) {
+  const bool by_its_shape = !options.projection && !options.layout && !recorded.projection && !image.texture;
+  if (!by_its_shape || edges_meet(source.map.base())) return;
+  const bool cube = found.projection == Projection::cube;
+  source.notes.push_back(fmt::format(
+      "its shape is that of a {} map, but {} do not meet: is it a photo of a ball (sphere, with its circle){}?",
+      cube ? fmt::format("cube ({})", name(found.layout)) : std::string(name(found.projection)),
+      cube ? "its faces" : "its sides", cube ? ", or are its faces in another order" : " or of a part of the sphere"));
+}
+
+// Turns a map back that was mirrored for an engine.
+void turn_back(const Image& image, Source& source) {
+  const auto said = source.facts.find(std::string(mirrored_fact));
+  if (said == source.facts.end()) return;
+  const std::string axis = said->second;
+  if ((axis != "x" && axis != "z") || (axis == "z" && source.map.projection() != Projection::cube))
+    image.fail(fmt::format("is mirrored along '{}': not known", axis));
+  const MirroredAxis mirror = axis == "x" ? MirroredAxis::x : MirroredAxis::z;
+  for (Level& level : source.map.levels) level = level_of(mirrored_rows(rows_of(level, source.map.forward), mirror));
+  source.facts.erase(said);
+  source.claims.push_back({.name = "mirrored", .value = axis});
+}
+
 // @param image open. @param path its name, which may have {level} in it; empty in memory.
 Source read_image(Image& image, const std::string& path, const ReadOptions& options, const Progress& progress) {
   std::optional<Panorama> panorama;
@@ -277,6 +304,8 @@ Source read_image(Image& image, const std::string& path, const ReadOptions& opti
   }
   if (source.border > 0)
     for (Level& level : source.map.levels) level = without_border(level, source.border);
+  tell_of_edges(image, found, options, recorded, source);
+  turn_back(image, source);
   if (has_forward(found.projection)) {
     const auto known = options.forward    ? options.forward
                        : recorded.forward ? recorded.forward

@@ -13,7 +13,7 @@
 namespace envmap {
 namespace {
 
-constexpr std::size_t spread = 768, worst = 256, brightest = 256;  // Texels measured.
+constexpr std::size_t spread = 768, worst = 256, brightest = 256, beside_lights = 2048;  // Texels measured, at most.
 constexpr std::int64_t searched = 1 << 20;  // Texels among which the worst are looked for, at most.
 
 struct Candidate {
@@ -72,7 +72,19 @@ std::vector<Texel> every(std::int64_t count, Projection p, int size) {
   return found;
 }
 
-// The texels in which one sample and 2 x 2 differ most, for their own radiance and for the light that is wrong.
+// The mean of what lies around the middle of each texel, over an area that holds the texel and all that is interpolated
+// in it.
+std::vector<Colour> around(const std::vector<PaddedLevel>& levels, const Target& target,
+                           std::span<const Texel> texels) {
+  const PaddedLevel& base = levels.front();
+  const double coarser =
+      0.5 * std::log2(texel_count(base.projection(), base.height()) / texel_count(target.to, target.size));
+  const auto level = std::min(levels.size() - 1, 2 + std::size_t(std::max(0.0, std::floor(coarser))));
+  return sampled(make_sampler(std::span(levels).subspan(level), target, {Filter::bilinear, 1}), texels);
+}
+
+// The texels in which one sample and 2 x 2 differ most, for the light that is wrong and for their own radiance, and
+// those that lie dark beside a light, which samples may miss.
 std::vector<Texel> hardest(const std::vector<PaddedLevel>& levels, const Target& target, double floor) {
   const std::vector<Texel> texels = every(searched, target.to, target.size);
   const std::vector<Colour> one = sampled(make_sampler(levels, target, {Filter::bilinear, 1}), texels);
@@ -88,6 +100,8 @@ std::vector<Texel> hardest(const std::vector<PaddedLevel>& levels, const Target&
   take(brightest, [&](std::size_t k) { return double(largest(glm::abs(one[k] - four[k]))); });
   take(worst,
        [&](std::size_t k) { return largest(glm::abs(one[k] - four[k])) / std::max<double>(largest(four[k]), floor); });
+  const std::vector<Colour> all = around(levels, target, texels);
+  take(beside_lights, [&](std::size_t k) { return largest(all[k]) / std::max<double>(largest(four[k]), floor); });
   return found;
 }
 

@@ -80,19 +80,18 @@ Sampler point_sampler(const PaddedLevel& base, const Target& target, bool invers
   };
 }
 
-using Levels = std::vector<PaddedLevel>;
+using Levels = std::span<const PaddedLevel>;
 
-Sampler make_points(const Levels& levels, const Target& target, const FilterOptions& o, bool inverse_bilinear,
-                    Sample sample) {
+Sampler make_points(Levels levels, const Target& target, const FilterOptions& o, bool inverse_bilinear, Sample sample) {
   const PaddedLevel& base = levels.front();
   return o.samples == 1 ? point_sampler(base, target, inverse_bilinear, sample)
                         : grid_sampler(base, target, o.samples, inverse_bilinear, sample);
 }
 
 // Probes of trilinear lookups. @param plan how many, and at which level.
-Sampler make_probes(const Levels& levels, const Target& target,
+Sampler make_probes(Levels levels, const Target& target,
                     Probes (*plan)(const Target&, const PaddedLevel&, int, const Point2&)) {
-  return [=, &levels](int face, int row, int first, std::span<Colour> out) {
+  return [=](int face, int row, int first, std::span<Colour> out) {
     const PaddedLevel& base = levels.front();
     sample_probes(
         target, face, row, first, out,
@@ -126,31 +125,27 @@ constexpr std::array<FilterInfo, 8> all_filters{{
      true, false},
 }};
 
-using Make = Sampler (*)(const Levels&, const Target&, const FilterOptions&);
+using Make = Sampler (*)(Levels, const Target&, const FilterOptions&);
 constexpr std::array<Make, all_filters.size()> makers{
-    [](const Levels& l, const Target& t, const FilterOptions& o) {
-      return make_points(l, t, o, false, sample_nearest);
-    },
-    [](const Levels& l, const Target& t, const FilterOptions& o) {
-      return make_points(l, t, o, true, sample_bilinear);
-    },
-    [](const Levels& l, const Target& t, const FilterOptions& o) { return make_points(l, t, o, true, sample_bicubic); },
-    [](const Levels& l, const Target& t, const FilterOptions&) { return make_probes(l, t, trilinear_plan); },
-    [](const Levels& l, const Target& t, const FilterOptions&) { return summed_area_sampler(l.front(), t); },
-    [](const Levels& l, const Target& t, const FilterOptions&) { return make_probes(l, t, ewa_plan); },
-    [](const Levels& l, const Target& t, const FilterOptions& o) {
+    [](Levels l, const Target& t, const FilterOptions& o) { return make_points(l, t, o, false, sample_nearest); },
+    [](Levels l, const Target& t, const FilterOptions& o) { return make_points(l, t, o, true, sample_bilinear); },
+    [](Levels l, const Target& t, const FilterOptions& o) { return make_points(l, t, o, true, sample_bicubic); },
+    [](Levels l, const Target& t, const FilterOptions&) { return make_probes(l, t, trilinear_plan); },
+    [](Levels l, const Target& t, const FilterOptions&) { return summed_area_sampler(l.front(), t); },
+    [](Levels l, const Target& t, const FilterOptions&) { return make_probes(l, t, ewa_plan); },
+    [](Levels l, const Target& t, const FilterOptions& o) {
       if (o.sides == AreaSides::outlines || !quads_suit(l.front(), t))
         return area_sampler(l.front(), t, o.area_error, o.floor);
       return quad_sampler(l.front(), t, o.area_error, o.floor, o.sides == AreaSides::quads);
     },
-    [](const Levels& l, const Target& t, const FilterOptions&) { return make_probes(l, t, nearest_level_plan); },
+    [](Levels l, const Target& t, const FilterOptions&) { return make_probes(l, t, nearest_level_plan); },
 };
 
 }  // namespace
 
 std::span<const FilterInfo> filters() { return all_filters; }
 
-Sampler make_sampler(const std::vector<PaddedLevel>& levels, const Target& target, const FilterOptions& options) {
+Sampler make_sampler(std::span<const PaddedLevel> levels, const Target& target, const FilterOptions& options) {
   return makers[std::size_t(options.filter)](levels, target, options);
 }
 

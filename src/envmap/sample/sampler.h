@@ -4,7 +4,6 @@
 
 #include <functional>
 #include <span>
-#include <vector>
 
 #include "envmap/maths/vector.h"
 #include "envmap/sample/filter.h"
@@ -19,6 +18,6 @@ struct Target;
 using Sampler = std::function<void(int face, int row, int first, std::span<Colour> out)>;
 
 /// @param levels the source; must outlive the sampler. Those beyond the first are read where reads_levels().
-Sampler make_sampler(const std::vector<PaddedLevel>& levels, const Target& target, const FilterOptions& options);
+Sampler make_sampler(std::span<const PaddedLevel> levels, const Target& target, const FilterOptions& options);
 
 }  // namespace envmap

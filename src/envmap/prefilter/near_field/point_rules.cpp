@@ -46,9 +46,10 @@ double variation_over(const LevelKernel& k, double side) {
 }
 
 std::optional<int> panels_on_face(const LevelKernel& k, double side) {
-  constexpr double narrow = 5e-3;
+  constexpr double narrow = 1.6e-2;
+  constexpr int most = 10;  // Points cost less from there on.
   const int panels = std::max(1, int(std::ceil(variation_over(k, side) / widest_panel)));
-  if (k.kind != LevelKernel::Kind::power || k.part * k.end > narrow || panels > most_panels) return std::nullopt;
+  if (k.kind != LevelKernel::Kind::power || k.part * k.end > narrow || panels > most) return std::nullopt;
   return panels;
 }
 
