@@ -30,7 +30,7 @@ show envmap preview probe.exr --html look-around.html
 # The light: a neutral white, 200 lux on the floor, the sun in front, a second light.
 show envmap convert probe.exr graded.exr --white 0,0,1 --scale-to lux=200
 show envmap convert graded.exr front.exr --rotate sun:+z
-show envmap generate sun lamp.exr --size 64 --direction 0,1,0 --radius 10 --value 100
+show envmap generate sun lamp.exr --size 64 --direction 0,1,0 --radius 10 --value 100 --zenith 0 --horizon 0 --ground 0
 show envmap convert front.exr lit.exr --add lamp.exr
 
 # Another tool: a left-handed world, faces of a cube, a panorama with +X at its centre, a picture for the web.

@@ -99,7 +99,7 @@ def comparisons(f):
          f"`{d['peer']['tool']}` {d['peer']['seconds']:.2g} s, largest {percent(d['peer']['largest_error'])}", '`prefilter --size 64 --max-error 1e-4`']]
     c = f['conversions']
     return (f"Each row is a job: time and error. `x` is a multiple of the time in which `oiiotool` reads and writes the same files without other\n"
-            f"work. [What the errors mean](docs/reference/which-when.md#what-the-errors-mean).\n\n"
+            f"work. The last row is in seconds, on another machine. [What the errors mean](docs/reference/which-when.md#what-the-errors-mean).\n\n"
             + markdown(['job', 'envmap', 'other tool', 'measured by'], rows)
             + f"\n\nMap: {c['source']}. Machine: {measured(c)}. Last row: {measured(d)}.")
 

@@ -277,8 +277,9 @@ TEST_F(Batch, RefusesWrongManifestsBeforeAnyWork) {
   refused("[\"convert a.hdr a.exr\"", {"wrong.txt", "JSON"}, 3);
   refused(std::string("convert a.hdr a.exr\0.hdr\n", 25), {"line 1", "NUL"});
   refused(R"(["convert a.hdr a.exr\u0000.hdr"])", {"job 1", "NUL"});
-  fails(3, {"batch", "none.txt"}, {"none.txt"});
+  fails(3, {"batch", "none.txt"}, {"none.txt", "batch -"});
   fails(3, {"batch", "."}, {"folder"});
+  fails(3, {"batch", "--for", "blender", "."}, {"folder", "*.hdr"});
   fails(2, {"batch", "a.txt", "b.txt"}, {"b.txt"});
 }
 

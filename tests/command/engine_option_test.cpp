@@ -158,6 +158,7 @@ TEST_F(EngineOption, QualitySetsSizesAndErrors) {
   EXPECT_NE(read("draft/README.txt").find("specular.ktx2: cube, 16x16 in 5 levels, rgb9e5; every texel within 0.01"),
             std::string::npos)
       << read("draft/README.txt");
+  EXPECT_NE(read("draft/README.txt").find("roughness by level: 0, 0.25, 0.5, 0.75, 1."), std::string::npos);
   EXPECT_NE(read("high/README.txt").find("within 0.0001"), std::string::npos);
 }
 

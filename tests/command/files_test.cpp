@@ -575,6 +575,7 @@ TEST_F(Memory, ALimitOnMemoryChangesNoByte) {
   }
   fails(2, {"convert", "sky.exr", "none.exr", "--filter", "sat", "--max-memory", "64M"}, {"sat", "--max-memory"});
   fails(2, {"convert", "sky.exr", "none.exr", "--max-memory", "64X"}, {"--max-memory"});
+  fails(2, {"convert", "sky.exr", "none.exr", "--max-memory", "1M"}, {"from 64M", "not 1M"});
   const Result nowhere = shell("TMPDIR=/nowhere \"$ENVMAP\" convert sky.exr none.exr --to cube --max-memory 64M");
   EXPECT_EQ(nowhere.status, 4);
   EXPECT_NE(nowhere.err.find("/nowhere"), std::string::npos) << nowhere.err;

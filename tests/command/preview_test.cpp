@@ -55,6 +55,7 @@ TEST_F(Preview, APageOfAReadOnlyMap) {
   std::filesystem::permissions(path("halves.exr"), std::filesystem::perms::owner_read);
   EXPECT_EQ(envmap({"preview", "halves.exr", "--html", "page.html", "-q"}).status, 0);
   EXPECT_TRUE(read("page.html").starts_with("<!"));
+  fails(2, {"preview", "halves.exr", "page.html"}, {"--html"});
   fails(2, {"preview", "halves.exr", "--html", "halves.exr"}, {"both input and output"});
 }
 

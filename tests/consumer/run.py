@@ -40,6 +40,12 @@ for path in ('bin/envmap', 'share/man/man1/envmap-convert.1', 'share/man/man3/en
              'share/envmap/samples/sample.hdr', 'share/envmap/samples/inputs.sh', 'share/envmap/samples/scenes/make.py',
              'share/bash-completion/completions/envmap', 'share/zsh/site-functions/_envmap', 'share/fish/vendor_completions.d/envmap.fish'):
     demand((tree / path).exists(), f'{path} is not installed')
+documents = tree / 'share/doc/envmap'
+for page in documents.rglob('*.md'):
+    text = re.sub(r'```.*?```', '', page.read_text(), flags=re.S)  # Code has brackets of its own.
+    for link in re.findall(r'\]\(([^)#:\s]+)[^):]*\)', text):
+        target = (page.parent / link).resolve()
+        demand(target.exists() and documents.resolve() in target.parents, f'{page.relative_to(tree)}: {link} is not installed')
 demand(os.readlink(library / 'libenvmap.so.1.0') == 'libenvmap.so.1.0.0', 'libenvmap.so.1.0 is no link to its version')
 headers = list((tree / 'include').rglob('*.h'))
 for header in headers:

@@ -33,6 +33,14 @@ T number(const Option& o, const std::string& text) {
   return value;
 }
 
+// 64M for 67108864: an end of the range in the unit of which it is a whole number, as it may be typed.
+std::string in_units(double number, bool decimal) {
+  const double step = decimal ? 1000 : 1024;
+  std::size_t power = 0;
+  for (; power < 4 && number >= step && std::fmod(number, step) == 0; ++power) number /= step;
+  return fmt::format("{:.0f}{}", number, power == 0 ? "" : std::string(1, "KMGT"[power - 1]));
+}
+
 // 2G, 500 MB, 1kib: 1024 to the power of the letter, or 1000 where that is asked for and no i follows.
 std::uint64_t size(const Option& o, const std::string& text, bool decimal) {
   const std::size_t digits = std::min(text.find_first_not_of("0123456789"), text.size());
@@ -47,7 +55,7 @@ std::uint64_t size(const Option& o, const std::string& text, bool decimal) {
     throw std::invalid_argument("must be a size such as 500M, not " + text);
   const double bytes = std::strtod(text.c_str(), nullptr) * std::pow(decimal && !binary ? 1000 : 1024, double(power));
   if (bytes < o.range->from || bytes > o.range->to)
-    out_of(fmt::format("{:.0f}", bytes), "", fmt::format("{:.0f}", o.range->from), fmt::format("{:.0f}", o.range->to));
+    out_of(text, "", in_units(o.range->from, decimal), in_units(o.range->to, decimal));
   return std::uint64_t(bytes);
 }
 

@@ -140,7 +140,7 @@ bool reads_files(const Options& o) {
 constexpr ExitStatus exit_statuses[] = {
     {0, "The command succeeded.", nullptr},
     {1, "A check failed: a limit such as --max-error is not met.",
-     [](const Options& o) { return o.has("--max-error") && !o.has("--orbit"); }},
+     [](const Options& o) { return (o.has("--max-error") && !o.has("--orbit")) || o.has("--min-share"); }},
     {2, "The command line is wrong.", nullptr},
     {3, "An input cannot be read, or is damaged.", reads_files},
     {4, "An output cannot be written.", nullptr},
@@ -150,11 +150,13 @@ constexpr ExitStatus exit_statuses[] = {
 // @param options of a command, or null: all statuses.
 std::string statuses(const Options* options) {
   const bool of_batch = options == nullptr || options->has("--jobs");
+  const bool of_lights = options == nullptr || options->has("--min-share");
   std::string lines = ".SH EXIT STATUS\n";
   for (const ExitStatus& s : exit_statuses)
     if (options == nullptr || s.applies == nullptr || s.applies(*options))
-      lines += fmt::format(".TP\n{}\n{}{}\n", s.status, roff(std::string(s.what)),
-                           s.status == 4 && of_batch ? " Of batch: a job failed." : "");
+      lines += fmt::format(".TP\n{}\n{}{}{}\n", s.status, roff(std::string(s.what)),
+                           s.status == 4 && of_batch ? " Of batch: a job failed." : "",
+                           s.status == 1 && of_lights ? " Of lights: no light was found." : "");
   return lines;
 }
 

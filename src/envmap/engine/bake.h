@@ -46,7 +46,7 @@ struct BakedFile {
   Frame frame;
   int width, size, levels;  ///< Of the image and of a face, in texels.
   Written written;
-  std::string accuracy;  ///< What is known of its errors, for people.
+  std::string accuracy;  ///< What is known of its errors, and the roughness of its levels, for people.
 };
 
 /// The files of the folder: maps, README.txt, and the text that loads them where the engine has one.

@@ -81,8 +81,10 @@ BakedMap Baker::chain(const EngineMap& wanted, const ErrorBudget& budget, const 
   const std::vector<double> roughnesses = level_roughnesses(wanted, base, {}, "chain_size");
   const LobeShape shape = wanted.chain->lobe;
   BakedMap made{.facts = {{"lobe", std::string(lobe_shape_names[std::size_t(shape)])}}};
+  std::string by_level;
   for (std::size_t k = 0; k < roughnesses.size(); ++k) {
     made.facts["roughness"] += fmt::format("{}{:g}", k == 0 ? "" : ",", roughnesses[k]);
+    by_level += fmt::format("{}{:.3g}", k == 0 ? "" : ", ", roughnesses[k]);
     const int size = base >> k;
     const double share = 1 / double(roughnesses.size());
     const PrefilterOptions wanted_level{.lobe = Lobe(shape, roughnesses[k]),
@@ -95,7 +97,7 @@ BakedMap Baker::chain(const EngineMap& wanted, const ErrorBudget& budget, const 
   }
   made.rows = all_rows_of(made.levels);
   made.pairs = irradiance_pairs(wanted, source_, {});
-  made.accuracy = of_lobes(budget, options_.quality.max_error);
+  made.accuracy = of_lobes(budget, options_.quality.max_error) + "; roughness by level: " + by_level;
   return made;
 }
 

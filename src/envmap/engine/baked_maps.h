@@ -20,7 +20,7 @@ struct BakedMap {
   std::vector<Rows> rows;
   std::map<std::string, std::string> pairs;  ///< For WriteOptions::pairs.
   Facts facts;
-  std::string accuracy;  ///< What is known of its errors.
+  std::string accuracy;  ///< What is known of its errors, and the roughness of its levels.
 };
 
 /// The irradiance that goes beside a chain, for WriteOptions::pairs; nothing where the engine wants none.

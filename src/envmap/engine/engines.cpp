@@ -301,9 +301,10 @@ const EngineMap& chain_of(const Engine& engine) {
 }
 
 std::string turns_of(const Engine& e) {
-  const std::string mirrored = e.mirrored == "no"     ? ""
-                               : e.mirrored == "file" ? " The file is mirrored."
-                                                      : fmt::format(" {} mirrors the map.", e.title);
+  const std::string mirrored = e.mirrored == "no" ? ""
+                               : e.mirrored == "file"
+                                   ? " The file is mirrored for its loader: other viewers show it backwards."
+                                   : fmt::format(" {} mirrors the map.", e.title);
   return fmt::format("+X +Y +Z of the probe are {} in {}.{}{}{}", e.axes, e.title, mirrored, e.turns.empty() ? "" : " ",
                      e.turns);
 }

@@ -286,6 +286,8 @@ std::vector<Job> jobs_of(const std::vector<Line>& lines) {
 std::string text_of(const std::string& path) {
   std::error_code error;
   if (path != "-" && fs::is_directory(path, error)) throw InputError(path, "is a folder: give a file name");
+  if (path != "-" && !fs::exists(path, error))
+    throw InputError(path, "no such manifest: write the lines into a file, or pipe them to 'envmap batch -'");
   std::ifstream file;
   if (path != "-") file.open(path);
   std::ostringstream text;
@@ -313,7 +315,11 @@ std::vector<Job> read_manifest(const std::string& path) {
 std::vector<Job> bake_jobs(const std::vector<std::string>& probes, const std::string& engine,
                            const std::string& folder) {
   std::vector<Line> lines;
+  std::error_code error;
   for (const std::string& probe : probes) {
+    if (fs::is_directory(probe, error))
+      throw InputError(probe,
+                       fmt::format("is a folder: name its files, such as {}", (fs::path(probe) / "*.hdr").string()));
     Line& line = lines.emplace_back(Line{probe, {}});
     for (const std::string& word : {std::string("bake"), probe, (fs::path(folder) / fs::path(probe).stem()).string(),
                                     std::string("--for"), engine})

@@ -179,7 +179,7 @@ void check(Request& o) {
   if (!o.html.empty()) return check_page(o);
   if (o.names.size() < 2) throw UsageError("needs at least one map, and last the picture to write");
   if (o.names.back() != "-" && (!is_picture(o.names.back()) || is_linear_picture(o.names.back())))
-    throw UsageError(o.names.back(), "the picture must be a .png or .jpg");
+    throw UsageError(o.names.back(), "the picture must be a .png or .jpg; --html FILE writes a page");
   o.read.all_levels = o.levels;
 }
 
