@@ -7,6 +7,7 @@
 
 #include "envmap/base/parallel.h"
 #include "envmap/maths/compensated_sum.h"
+#include "envmap/maths/portable.h"
 #include "envmap/operate/measure.h"
 #include "envmap/sample/sampler.h"
 
@@ -78,7 +79,7 @@ std::vector<Colour> around(const std::vector<PaddedLevel>& levels, const Target&
                            std::span<const Texel> texels) {
   const PaddedLevel& base = levels.front();
   const double coarser =
-      0.5 * std::log2(texel_count(base.projection(), base.height()) / texel_count(target.to, target.size));
+      0.5 * portable::log2(texel_count(base.projection(), base.height()) / texel_count(target.to, target.size));
   const auto level = std::min(levels.size() - 1, 2 + std::size_t(std::max(0.0, std::floor(coarser))));
   return sampled(make_sampler(std::span(levels).subspan(level), target, {Filter::bilinear, 1}), texels);
 }

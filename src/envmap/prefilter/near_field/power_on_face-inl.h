@@ -2,8 +2,8 @@
 //
 // A panel is a texel or a part of one. The logarithm of the mean of power x solid angle over a panel is a smooth
 // function of where the panel's middle lies on the face: that of the power itself is nearly a parabola, and what the
-// mean adds is about log(sinh(g) / g) of a power that falls as e^(-g u) along a panel of width 2. So it is computed at 8
-// x 8 Chebyshev nodes of the window that the lobe covers on a face, by sixteen Gauss points each, and a polynomial
+// mean adds is about log(sinh(g) / g) of a power that falls as e^(-g u) along a panel of width 2. So it is computed at
+// 8 x 8 Chebyshev nodes of the window that the lobe covers on a face, by sixteen Gauss points each, and a polynomial
 // gives it for every panel, which takes one power of two. tests/bench/kappa.cpp measures the error of all.
 #include "envmap/prefilter/near_field/gauss_points-inl.h"
 #include "envmap/prefilter/near_field/narrow_power-inl.h"
