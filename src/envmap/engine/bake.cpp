@@ -134,7 +134,8 @@ void write_tables(const Engine& engine, const EnvironmentMap& probe, const Outpu
   write(engine.table, "ggx", brdf_table);
   write(engine.sheen, "charlie", sheen_table);
   if (!engine.irradiance.empty())
-    folder.write(engine.irradiance, harmonics_pair(IrradianceForm::filament, irradiance_polynomial(probe, {})).second);
+    folder.write(engine.irradiance,
+                 harmonics_pair(IrradianceForm::filament, irradiance_polynomial(project(probe, 2))).second);
 }
 
 void check_quality(const Quality& quality) {
