@@ -4,8 +4,8 @@
 //
 // The probe is made as dense as a latlong map of ROWS rows, and a disc of the real sun's radius with as much light as
 // all of it is added at ten places, one after another: poles, seams, edges of faces, rims, and between them. PLACES are
-// numbers of those, such as 048. Each texel gets the part of the disc that midpoints find in it. Errors are those of the
-// direction in degrees, and of the illuminance of a plane that faces the sun, in percent, the worst channel's.
+// numbers of those, such as 048. Each texel gets the part of the disc that midpoints find in it. Errors are those of
+// the direction in degrees, and of the illuminance of a plane that faces the sun, in percent, the worst channel's.
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -16,7 +16,7 @@ envmap=$(realpath "${ENVMAP:-$here/../../build/ci/envmap}")
 "$envmap" generate directions "probes/directions.exr" --to cube --size 256
 "$envmap" generate constant "probes/white.exr" --to cube --size 256 --value 1
 "$envmap" generate sun "probes/sun.exr" --to cube --size 256 --direction 1,2,3 --radius 1 --value 200 --zenith 0 --ground 0
-[ $# -gt 0 ] || set -- babylon babylon-env cesium filament gltf playcanvas three three-latlong three-webgpu
+[ $# -gt 0 ] || set -- babylon babylon-env cesium filament gltf playcanvas three three-jpeg three-latlong three-webgpu
 for engine; do
   for probe in directions white sun; do
     bake_for "$engine" "probes/$probe.exr" "probes/$engine-$probe"
