@@ -1,5 +1,5 @@
 """The page of `envmap preview --html`, in headless Chromium: every view against `envmap generate directions` of that projection,
-whose colours are (direction + 1) / 2; the camera, balls and readings against formulae; keys and pointers against what they do.
+whose colours are (direction + 1) / 2; the camera, balls, blur and readings against formulae; keys and pointers against what they do.
 
   page.py ENVMAP          ends with 77 where there is no chromium
 """
@@ -40,8 +40,14 @@ result.camera = pixels(96, 64);
 result.picked = pick(10.5, 20.5);
 state.ballsShown = true;
 state.balls = [{ x: 0.2, y: 0.1, surface: 'ggx', roughness: 0 }, { x: -0.8, y: 0, surface: 'diffuse', roughness: 0 },
-  { x: 0.9, y: 0, surface: 'ggx', roughness: 1 }];
+  { x: 0.9, y: 0, surface: 'dielectric', roughness: 0 }];
 result.balls = pixels(96, 64);
+state.ballsShown = false;
+const choose = (id, value) => { element(id).value = value; element(id).dispatchEvent(new Event('input')); };
+choose('image', images.findIndex(({ image }) => image === 1)); choose('blur', 0.5);
+result.blurred = pixels(96, 64);
+choose('image', 0);
+state.ballsShown = true;
 const key = (name, shiftKey) => canvas.dispatchEvent(new KeyboardEvent('keydown', { key: name, shiftKey }));
 const point = (type, x, y, pointerId) => canvas.dispatchEvent(new PointerEvent(type, { clientX: x, clientY: y, pointerId }));
 canvas.setPointerCapture = () => {};  // Of pointers that nobody holds it would throw.
@@ -148,9 +154,13 @@ def check_camera(result):
     expect_colour(result['picked']['radiance'], [(c + 1) / 2 for c in d], 'picked radiance')
 
 
+def schlick(cosine):
+    return 0.04 + 0.96 * (1 - cosine) ** 5
+
+
 def check_balls(image):
     axes = camera(30, 20)
-    for middle, mirror in [((0.2, 0.1), True), ((-0.8, 0), False)]:
+    for middle, reflected in [((0.2, 0.1), lambda cosine: 1), ((-0.8, 0), lambda cosine: 0), ((0.9, 0), schlick)]:
         away = ray(*middle, axes, 60)
         side = unit([r - dot(axes[1], away) * a for r, a in zip(axes[1], away)])
         for dx, dy in [(0, 0), (5, 3), (-6, 2), (1, -7)]:
@@ -158,8 +168,23 @@ def check_balls(image):
             s, t = ((2 * x + 1 - 96) / 64 - middle[0]) / 0.3, ((2 * y + 1 - 64) / 64 - middle[1]) / 0.3
             normal = [s * a + t * b - math.sqrt(1 - s * s - t * t) * c for a, b, c in zip(side, cross(side, away), away)]
             mirrored = [a - 2 * dot(away, normal) * n for a, n in zip(away, normal)]
-            wanted = [(c + 1) / 2 for c in mirrored] if mirror else [0.5 + n / 3 for n in normal]
+            part = reflected(-dot(away, normal))
+            wanted = [part * (c + 1) / 2 + (1 - part) * (0.5 + n / 3) for c, n in zip(mirrored, normal)]
             expect_colour(pixel(image, 96, x, y), wanted, f'ball at {middle}, {dx}, {dy}')
+
+
+def check_blur(image):
+    """GGX of roughness 0.5 with n = v = r keeps 1 and shrinks directions by a factor: D(h) cos(l) for l at twice h's angle."""
+    steps, alpha2 = 20000, 0.5 ** 4
+    whole = along = 0.0
+    for k in range(steps):
+        angle = (k + 0.5) / steps * math.pi / 2
+        weight = math.cos(angle) * math.sin(angle) / (math.cos(angle / 2) ** 2 * (alpha2 - 1) + 1) ** 2
+        whole, along = whole + weight, along + weight * math.cos(angle)
+    axes = camera(30, 20)
+    for x, y in [(0, 0), (95, 0), (48, 32), (20, 50)]:
+        d = ray((2 * x + 1 - 96) / 64, (2 * y + 1 - 64) / 64, axes, 60)
+        expect_colour(pixel(image, 96, x, y), [(c * along / whole + 1) / 2 for c in d], f'blurred background at {x}, {y}')
 
 
 def check_handling(result):
@@ -219,8 +244,9 @@ def main():
             check_view(view, image, folder / f'{view}.pfm')
     check_camera(result)
     check_balls(result['balls'])
+    check_blur(result['blurred'])
     check_handling(result)
-    print('\n'.join(failures) or 'page: 7 views, camera, balls, readings, keys and pointers are right')
+    print('\n'.join(failures) or 'page: 7 views, camera, balls, blur, readings, keys and pointers are right')
     return 1 if failures else 0
 
 

@@ -570,6 +570,39 @@ TEST_F(Bake, ForThreeAreCubesThatItTakesAsTheyAre) {
   succeeds({"compare", "panorama/background.exr", "panorama.exr", "--max-error", "0"});
 }
 
+// background.jpg as UltraHDRLoader's panorama is looked up, by the formula of three-latlong; a sun above white stays.
+TEST_F(Bake, ForThreeWriteABackgroundWithAGainMap) {
+  succeeds({"generate", "directions", "probe.exr", "--to", "cube", "--size", "64"});
+  succeeds({"bake", "probe.exr", "jpeg", "--for", "three", "--size", "64", "--gain-map", "--quality", "draft", "-q"});
+  EXPECT_EQ(names(), (std::vector<std::string>{"jpeg/", "jpeg/README.txt", "jpeg/background.jpg",
+                                               "jpeg/environment.ktx2", "probe.exr"}));
+  succeeds({"convert", "jpeg/background.jpg", "read.exr", "--forward", "+x", "--from-forward", "+x", "-q"});
+  const Picture map = load(path("read.exr"));
+  ASSERT_EQ(map.width, 128);
+  for (const double y : {-0.8, -0.2, 0.3, 0.7})
+    for (const double x : {-0.6, 0.5})
+      for (const double z : {-0.4, 0.45}) {
+        const double length = std::sqrt(x * x + y * y + z * z);
+        const Vec d{x / length, y / length, z / length};
+        const float* const found = map.at(int((0.5 + std::atan2(d[2], d[0]) / (2 * pi)) * map.width),
+                                          int((0.5 - std::asin(d[1]) / pi) * map.height));
+        const auto wanted = colour_of(d);
+        for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(found[c], wanted[c], 0.04) << x << ' ' << y << ' ' << z;
+      }
+  succeeds({"generate", "sun", "sun.exr", "--size", "64", "--value", "50", "--radius", "10", "-q"});
+  succeeds({"bake", "sun.exr", "jpeg", "--for", "three", "--gain-map", "--quality", "draft", "-q"});  // Replaces it.
+  EXPECT_NEAR(nlohmann::json::parse(envmap({"info", "jpeg/background.jpg", "--json", "-q"}).out)["maximum"][0], 50, 2);
+  EXPECT_NE(read("jpeg/README.txt").find("above white"), std::string::npos);
+  succeeds({"generate", "sky", "sky.exr", "--size", "64", "-q"});
+  succeeds({"bake", "sky.exr", "jpeg", "--for", "three", "--gain-map", "--quality", "draft", "--size", "64",
+            "--max-error", "0.05", "-q"});
+  succeeds({"convert", "sky.exr", "wanted.exr", "--forward", "+x", "-q"});
+  succeeds({"compare", "jpeg/background.jpg", "wanted.exr", "--from-forward", "+x", "--max-error", "0.05", "-q"});
+  fails(2, {"bake", "sun.exr", "a", "--for", "unity", "--gain-map"}, {"--gain-map", "Unity"});
+  fails(1, {"bake", "sun.exr", "a", "--for", "three", "--gain-map", "--max-error", "1e-4", "-q"},
+        {"a/background.jpg", "cannot be met"});
+}
+
 TEST_F(Bake, ItsDepfileNamesAllThatItReadsAndWrites) {
   succeeds({"generate", "sun", "probe.exr", "--size", "32"});
   succeeds({"bake", "probe.exr", "a", "--for", "pbrt", "-q", "--depfile", "a.d"});

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "command/picture.h"
 #include "command/run.h"
 
 namespace command_tests::lights_test {
@@ -67,6 +68,50 @@ TEST_F(Lights, OfGltfShineFromWhereTheSunIs) {
   EXPECT_NEAR(x, 1 / length, 2e-4);
   EXPECT_NEAR(y, 2 / length, 2e-4);
   EXPECT_NEAR(z, -0.5 / length, 2e-4);
+}
+
+// A floor under the lights of an atmosphere, whose radiance 1 is 683 cd/m^2, and the rest of its map has the map's
+// illuminance by `info`, which sums texels, and so has the map itself with its suns as lights.
+TEST_F(Lights, OfGltfAreInTheUnitOfTheMapBesideThem) {
+  succeeds({"generate", "atmosphere", "sky.exr", "--size", "256", "-q"});
+  succeeds({"lights", "sky.exr", "--gltf", "suns.gltf", "--remainder", "rest.exr", "-q"});
+  auto floor = nlohmann::json::parse(R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],
+    "nodes":[{"mesh":0,"rotation":[-0.70710678,0,0,0.70710678]}],
+    "extensionsUsed":["KHR_lights_punctual","KHR_materials_ior"],
+    "materials":[{"extensions":{"KHR_materials_ior":{"ior":1}},
+                  "pbrMetallicRoughness":{"metallicFactor":0,"roughnessFactor":1}}],
+    "meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1,"material":0}]}],
+    "accessors":[{"bufferView":0,"componentType":5126,"count":4,"type":"VEC3","min":[-1,-1,0],"max":[1,1,0]},
+                 {"bufferView":1,"componentType":5123,"count":6,"type":"SCALAR"}],
+    "bufferViews":[{"buffer":0,"byteLength":48},{"buffer":0,"byteOffset":48,"byteLength":12}],
+    "buffers":[{"byteLength":60,"uri":"data:;base64,)"
+                                     "AACAvwAAgL8AAAAAAACAPwAAgL8AAAAAAACAPwAAgD8AAAAAAACAvwAAgD8AAAAAAAABAAIAAAACAAMA"
+                                     R"("}]})");
+  write("floor.gltf", floor.dump());
+  const auto suns = nlohmann::json::parse(read("suns.gltf"));
+  floor["extensions"] = suns["extensions"];
+  floor["nodes"].push_back(suns["nodes"][0]), floor["scenes"][0]["nodes"] = {0, 1};
+  write("lit.gltf", floor.dump());
+  const auto lux = [&](const std::string& scene, const std::string& map, const std::vector<std::string>& more) {
+    std::vector<std::string> words{"view",    scene,         "floor.exr", "--environment", map,         "--method",
+                                   "raycast", "--fov",       "5",         "--camera",      "0.3,2,0.3", "--look-at",
+                                   "0,0,0",   "--occlusion", "0",         "--width",       "4",         "--height",
+                                   "4",       "-q"};
+    words.insert(words.end(), more.begin(), more.end());
+    succeeds(words);
+    const Picture picture = load(path("floor.exr"));
+    const float* const seen = picture.at(1, 1);
+    return 683 * pi * (0.2126 * seen[0] + 0.7152 * seen[1] + 0.0722 * seen[2]);
+  };
+  const double of_map = report({"info", "sky.exr"})["illuminance"]["lux"].get<double>();
+  EXPECT_NEAR(lux("lit.gltf", "rest.exr", {}) / of_map, 1, 0.01);
+  EXPECT_NEAR(lux("floor.gltf", "sky.exr", {"--suns"}) / of_map, 1, 0.01);
+  const Result said = envmap({"view", "lit.gltf", "floor.exr", "--environment", "rest.exr", "--method", "raycast",
+                              "--width", "4", "--height", "4"});
+  EXPECT_NE(said.err.find("rest.exr: radiance 1 is 683 cd/m^2: lights of the scene are divided by that"),
+            std::string::npos)
+      << said.err;
+  fails(3, {"view", "suns.gltf", "floor.png"}, {"suns.gltf: holds lights alone", "copy its lights"});
 }
 
 // Shares of a sky of even radiance: their sum is its flux, and each is as large as any other.

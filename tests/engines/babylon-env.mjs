@@ -10,5 +10,6 @@ export async function open(folder) {
   const scene = new_scene();
   scene.environmentTexture = BABYLON.CubeTexture.CreateFromPrefilteredData(`${folder}/environment.env`, scene);
   await ready(scene.environmentTexture);
+  scene.environmentTexture.irradianceTexture.anisotropicFilteringLevel = 1;  // As the sky's, in babylon_scene.mjs.
   return shown(scene, scene.environmentTexture);
 }

@@ -15,6 +15,13 @@ if [ ! -d "$folder/node_modules" ] && ! npm --prefix "$folder" install --silent 
   echo "tests/engines: skipped, npm cannot install the engines"
   exit 0
 fi
+# bake_for ENGINE PROBE FOLDER: as the engine's module loads it.
+bake_for() {
+  case $1 in
+  three-jpeg) "$envmap" bake "$2" "$3" --for three --gain-map -q ;;
+  *) "$envmap" bake "$2" "$3" --for "${1%-webgpu}" -q ;;
+  esac
+}
 mkdir -p "$folder/probes"
 cp "$here"/*.mjs "$here"/*.html "$folder"
 cd "$folder"

@@ -12,9 +12,9 @@ envmap=$(realpath "${ENVMAP:-$here/../../build/ci/envmap}")
 probe=$(realpath "$1")
 shift
 . "$here/install.sh"
-[ $# -gt 0 ] || set -- babylon babylon-env filament gltf playcanvas three three-latlong
+[ $# -gt 0 ] || set -- babylon babylon-env filament gltf playcanvas three three-latlong three-webgpu
 for engine in "$@" blender; do
-  "$envmap" bake "$probe" "probes/$engine-real" --for "$engine" -q
+  bake_for "$engine" "$probe" "probes/$engine-real"
 done
 cp "$here"/cycles.py .
 node balls.mjs

@@ -5,7 +5,7 @@ import { open_browser } from './browser.mjs';
 const [envmap, results, ...engines] = process.argv.slice(2);
 const browser = await open_browser();
 const version = (name) => JSON.parse(readFileSync(`node_modules/${name}/package.json`)).version;
-const packages = { babylon: 'babylonjs', 'babylon-env': 'babylonjs', gltf: 'babylonjs-loaders', 'three-latlong': 'three' };
+const packages = { babylon: 'babylonjs', 'babylon-env': 'babylonjs', gltf: 'babylonjs-loaders', 'three-jpeg': 'three', 'three-latlong': 'three', 'three-webgpu': 'three' };
 const bytes = (folder) => readdirSync(folder).reduce((sum, file) => sum + statSync(`${folder}/${file}`).size, 0);
 const all = existsSync(results) ? JSON.parse(readFileSync(results)) : {};
 let status = 0;

@@ -16,10 +16,10 @@ envmap=$(realpath "${ENVMAP:-$here/../../build/ci/envmap}")
 "$envmap" generate directions "probes/directions.exr" --to cube --size 256
 "$envmap" generate constant "probes/white.exr" --to cube --size 256 --value 1
 "$envmap" generate sun "probes/sun.exr" --to cube --size 256 --direction 1,2,3 --radius 1 --value 200 --zenith 0 --ground 0
-[ $# -gt 0 ] || set -- babylon babylon-env cesium filament gltf playcanvas three three-latlong
+[ $# -gt 0 ] || set -- babylon babylon-env cesium filament gltf playcanvas three three-jpeg three-latlong three-webgpu
 for engine; do
   for probe in directions white sun; do
-    "$envmap" bake "probes/$probe.exr" "probes/$engine-$probe" --for "$engine" -q
+    bake_for "$engine" "probes/$probe.exr" "probes/$engine-$probe"
   done
 done
 node run.mjs "$("$envmap" --version | head -n 1)" "$here/results.json" "$@"

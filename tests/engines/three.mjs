@@ -11,7 +11,7 @@ export const roughness = [2, 3, 4].map((k) => 1 - Math.sqrt(1 - k / 5));
 
 export const world = (d) => d;
 
-const loader = new KTX2Loader().setTranscoderPath('./node_modules/three/examples/jsm/libs/basis/').detectSupport(renderer);
+export const loader = new KTX2Loader().setTranscoderPath('./node_modules/three/examples/jsm/libs/basis/').detectSupport(renderer);
 
 export async function open(folder) {
   const [sky, light] = await Promise.all(['background', 'environment'].map((name) => loader.loadAsync(`${folder}/${name}.ktx2`)));

@@ -1,7 +1,19 @@
-// three.js: a ball in a scene, drawn by WebGLRenderer into floats.
+// three.js: a ball in a scene, drawn into floats by WebGLRenderer or, where the page has that build of three.js, WebGPURenderer.
 import * as THREE from 'three';
 
-export const renderer = new THREE.WebGLRenderer({ canvas: document.getElementById('canvas') });
+const canvas = document.getElementById('canvas');
+export const renderer = THREE.WebGPURenderer ? new THREE.WebGPURenderer({ canvas }) : new THREE.WebGLRenderer({ canvas });
+await renderer.init?.();
+const Target = THREE.WebGLRenderTarget ?? THREE.RenderTarget;
+
+// Rows of WebGPU's buffers begin at multiples of 256 bytes.
+async function pixels_of(image, size) {
+  const packed = new Float32Array(4 * size * size);
+  const read = await renderer.readRenderTargetPixelsAsync(image, 0, 0, size, size, THREE.WebGPURenderer ? undefined : packed);
+  const stride = read.length === packed.length ? 4 * size : 64 * Math.ceil(size / 16);
+  if (read !== packed) for (let j = 0; j < size; ++j) packed.set(read.subarray(j * stride, j * stride + 4 * size), 4 * j * size);
+  return packed;
+}
 const geometry = new THREE.SphereGeometry(1, 256, 128);
 
 export function scene_of(background, environment) {
@@ -19,11 +31,10 @@ export function scene_of(background, environment) {
       camera.position.set(...eye);
       camera.up.set(...up);
       camera.lookAt(...target);
-      const image = new THREE.WebGLRenderTarget(size, size, { type: THREE.FloatType });  // Linear, not tone mapped.
+      const image = new Target(size, size, { type: THREE.FloatType });  // Linear, not tone mapped.
       renderer.setRenderTarget(image);
       renderer.render(scene, camera);
-      const pixels = new Float32Array(4 * size * size);
-      renderer.readRenderTargetPixels(image, 0, 0, size, size, pixels);
+      const pixels = await pixels_of(image, size);
       image.dispose();
       return pixels;
     },

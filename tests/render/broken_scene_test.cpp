@@ -88,6 +88,12 @@ const Broken broken[] = {
      },
      "another parent"},
     {"NoTriangles", [](GltfFile& f) { f.document["nodes"][0].erase("mesh"); }, "no triangles"},
+    {"LightsAlone",
+     [](GltfFile& f) {
+       f.document["nodes"] = {{{"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}}};
+       f.document["extensions"]["KHR_lights_punctual"]["lights"] = {{{"type", "directional"}}};
+     },
+     "holds lights alone"},
     {"NoMeshes", [](GltfFile& f) { f.document.erase("meshes"); }, "nodes[0].mesh"},
     {"EmptyIndices", [](GltfFile& f) { f.document["accessors"][1]["count"] = 0; }, "no triangles"},
     {"TwoCorners", [](GltfFile& f) { f.document["accessors"][1]["count"] = 2; }, "no triangles"},

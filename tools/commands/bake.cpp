@@ -10,6 +10,7 @@
 #include "engines/engine_options.h"
 #include "envmap/base/error.h"
 #include "envmap/engine/engines.h"
+#include "envmap/engine/jpeg_background.h"
 #include "envmap/engine/level_roughness.h"
 #include "envmap/io/texels/rounding.h"
 #include "envmap/light/lights.h"
@@ -27,7 +28,8 @@ struct BakeRequest {
   std::string input, folder;
   std::string list;  // An engine or "all".
   const Engine* engine = nullptr;
-  bool latlong = false;
+  std::optional<Engine> with_jpeg;  // What `engine` then is.
+  bool latlong = false, gain_map = false;
   ReadOptions read;
   BakeOptions maps;
   bool suns = false;
@@ -133,6 +135,11 @@ int run(BakeRequest& o, Report& report) {
     if (!panorama) throw UsageError(fmt::format("--latlong: {} has one way to load a map", o.engine->title));
     o.engine = panorama;
   }
+  if (o.gain_map) {
+    o.with_jpeg = with_jpeg_background(*o.engine);
+    if (!o.with_jpeg) throw UsageError(fmt::format("--gain-map: {} loads no JPEG with a gain map", o.engine->title));
+    o.engine = &*o.with_jpeg;
+  }
   const Engine& e = *o.engine;
   if (o.suns) o.maps.suns.emplace();  // So that the file of the suns is checked, too.
   check_files(outputs_of(o), {o.input}, {{}, o.read.faces});
@@ -168,6 +175,8 @@ Action define_bake(Options& o) {
   o.group = "Engine";
   add_engine(o, r->engine, "{}");
   o.flag("--latlong", r->latlong, "Write a panorama instead of prefiltered cubes, with --for three");
+  o.flag("--gain-map", r->gain_map, "Write the background as JPEG with a gain map, with --for three").excludes =
+      "--latlong";
   o.add(
        "--list [ENGINE]", engine_names() + "|all",
        [&list = r->list](const std::string& word) {

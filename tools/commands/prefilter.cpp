@@ -248,8 +248,8 @@ LevelInFile make_one(const Prefilterer& prepared, const EngineMap* engine, const
 }
 
 EnvironmentMap make_levels(const Request& o, const EngineMap* engine, const EnvironmentMap& source,
-                           const ErrorBudget& budget, const std::vector<PrefilterOptions>& wanted, Report& report) {
-  const Prefilterer prepared(borrowed(source));
+                           const Prefilterer& prepared, const ErrorBudget& budget,
+                           const std::vector<PrefilterOptions>& wanted, Report& report) {
   if (const EnvironmentMap& cube = prepared.source(); settings().verbose && &cube != &source)
     note(fmt::format(
         "{}: prefiltered as the cube of {} that 'convert --filter area' makes of it; errors count from that", o.input,
@@ -275,14 +275,14 @@ EnvironmentMap make_levels(const Request& o, const EngineMap* engine, const Envi
 }
 
 // How to write the map, or this run's part of it. The first part has what the file holds beside texels.
-WriteOptions options_of(const Request& o, const Source& source, const EngineMap* engine,
+WriteOptions options_of(const Request& o, const Source& source, const Prefilterer& prepared, const EngineMap* engine,
                         const std::vector<PrefilterOptions>& levels) {
   WriteOptions how = o.write;
   how.facts = record(levels);
   how.provenance = source.provenance;
   if (o.scale) how.provenance.white_luminance.reset();
   if (engine && (!o.shard.part || o.shard.part->index == 1))
-    how.pairs = irradiance_pairs(*engine, source.map, progress_line("spherical harmonics"));
+    how.pairs = irradiance_pairs(*engine, source.map, prepared, progress_line("spherical harmonics"));
   if (!o.shard.part) {
     if (engine) record_mirror(how.facts, engine->mirror);
     return how;
@@ -334,7 +334,8 @@ int run(Request& o, Report& report) {
   const ErrorBudget budget{o.max_error, mirrored(rounding_of(o.output, o.write), mirror)};
   leave_to_prefilter(o, budget);
   std::vector<PrefilterOptions> wanted = levels_of(o);
-  const WriteOptions how = options_of(o, source, engine, wanted);
+  const Prefilterer prepared(borrowed(source.map));
+  const WriteOptions how = options_of(o, source, prepared, engine, wanted);
   choose_rows(o, budget.rounding, how, wanted);
   check_output(o.output, how, o.map.to, wanted.size() > 1);
 
@@ -342,7 +343,7 @@ int run(Request& o, Report& report) {
   report.put("lobe", name_of(o.shape));
   report.put("max_error", o.max_error.value_or(o.map.max_error));
   if (engine) add_frame(report, *o.engine, *engine);
-  const EnvironmentMap made = make_levels(o, engine, source.map, budget, wanted, report);
+  const EnvironmentMap made = make_levels(o, engine, source.map, prepared, budget, wanted, report);
   const std::vector<Rows> rows = mirrored(all_rows_of(made), o.shard.part ? MirroredAxis::none : mirror);
   report.put_written(o.output, write_map(o.output, rows, how, "write"));
   if (!o.table.empty()) write_brdf_table(o);

@@ -9,6 +9,7 @@
 #include "envmap/io/files/scene_folder.h"
 #include "envmap/operate/check_options.h"
 #include "envmap/scenes/read/read_scene.h"
+#include "envmap/scenes/scene/own_light.h"
 #include "maps/map_facts.h"
 #include "maps/map_options.h"
 #include "maps/read_and_write_maps.h"
@@ -176,6 +177,14 @@ FoundLights suns_of(const EnvironmentMap& map, const SceneOptions& o) {
   return suns;
 }
 
+// Lights of glTF are in lux and candela: beside a map whose radiance 1 is not one cd/m^2 they would be too bright.
+void match_unit(SceneGraph& scene, const SceneOptions& o, const Source& map) {
+  const double white = map.provenance.white_luminance.value_or(1.0F);
+  if (white == 1 || !has_light(scene)) return;
+  divide_own_light(scene, white);
+  note(fmt::format("{}: radiance 1 is {:g} cd/m^2: lights of the scene are divided by that", o.environment, white));
+}
+
 }  // namespace
 
 LoadedScene load(const SceneOptions& o) {
@@ -189,9 +198,10 @@ LoadedScene load(const SceneOptions& o) {
                      instances(scene).size(), scene.materials.size(), scene.lights.size()));
   if (o.environment.empty()) return loaded;
   loaded.inputs.push_back(o.environment);
-  EnvironmentMap map = read_map(o.environment, o.read).map;
-  FoundLights suns = suns_of(map, o);
-  loaded.light_by(PreparedEnvironment(std::move(map), {}, std::move(suns)), o.occlusion, o.reflection,
+  Source map = read_map(o.environment, o.read);
+  match_unit(loaded.scene, o, map);
+  FoundLights suns = suns_of(map.map, o);
+  loaded.light_by(PreparedEnvironment(std::move(map.map), {}, std::move(suns)), o.occlusion, o.reflection,
                   progress_line("light of the environment"));
   return loaded;
 }

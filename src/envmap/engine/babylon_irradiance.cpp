@@ -10,7 +10,6 @@
 #include "envmap/map/atlas.h"
 #include "envmap/map/layout.h"
 #include "envmap/maths/luminance.h"
-#include "envmap/prefilter/prefilter.h"
 #include "envmap/prefilter/shader_sh.h"
 
 namespace envmap {
@@ -18,8 +17,8 @@ namespace {
 
 // The mean of the directions of the light, weighted with its luminance: 1 long where all comes from one. Degree 1 of
 // irradiance over pi is M / 2 pi and degree 0 the flux / 4 pi, where M is the sum of directions x light.
-Direction mean_direction(const EnvironmentMap& source) {
-  const ShaderSh p = shader_sh(source, ShBasis::filament, ShWindow::none);
+Direction mean_direction(const Harmonics& radiance) {
+  const ShaderSh p = shader_sh(radiance, ShBasis::filament);
   const double mean = luminance_of(p[0]);
   if (!(mean > 0)) return Direction(0);
   return Direction(luminance_of(p[3]), luminance_of(p[1]), luminance_of(p[2])) / (2 * mean);
@@ -27,10 +26,9 @@ Direction mean_direction(const EnvironmentMap& source) {
 
 }  // namespace
 
-std::map<std::string, std::string> babylon_irradiance(const EnvironmentMap& source) {
+std::map<std::string, std::string> babylon_irradiance(const Prefilterer& source, const Harmonics& radiance) {
   constexpr int size = 64;
-  const Prefiltered irradiance =
-      Prefilterer(borrowed(source)).make({.to = Projection::cube, .size = size, .max_error = 1e-3});
+  const Prefiltered irradiance = source.make({.to = Projection::cube, .size = size, .max_error = 1e-3});
   const Rows rows = in_api_orientation(rows_of(irradiance.map.base(), Forward::plus_z));
   const Atlas atlas{rows, grid(Layout::api)};
   nlohmann::ordered_json about{{"size", size}, {"lengths", nlohmann::json::array()}};
@@ -43,7 +41,7 @@ std::map<std::string, std::string> babylon_irradiance(const EnvironmentMap& sour
   }
   // Shaders divide by its length. Light from all sides has no direction.
   constexpr double least = 1e-3;
-  if (const Direction d = mean_direction(source); glm::length(d) > least)
+  if (const Direction d = mean_direction(radiance); glm::length(d) > least)
     about["dominantDirection"] = {-d.x, d.y, d.z};  // Babylon.js' world is left-handed.
   return {{"irradianceTexture", about.dump()}, {"irradianceFaces", digits}};
 }

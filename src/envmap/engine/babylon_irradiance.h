@@ -4,11 +4,13 @@
 #include <map>
 #include <string>
 
-#include "envmap/map/environment_map.h"
+#include "envmap/prefilter/harmonics.h"
+#include "envmap/prefilter/prefilter.h"
 
 namespace envmap {
 
 /// The pairs of WriteOptions that write_env() makes the cube of: irradiance over pi, within 1e-3 before bytes round it.
-std::map<std::string, std::string> babylon_irradiance(const EnvironmentMap& source);
+/// @param radiance the source's harmonics, without a window.
+std::map<std::string, std::string> babylon_irradiance(const Prefilterer& source, const Harmonics& radiance);
 
 }  // namespace envmap

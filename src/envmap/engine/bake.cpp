@@ -13,9 +13,11 @@
 #include "envmap/base/run_operation.h"
 #include "envmap/engine/baked_maps.h"
 #include "envmap/engine/irradiance.h"
+#include "envmap/engine/jpeg_background.h"
 #include "envmap/engine/suns.h"
 #include "envmap/io/files/output_folder.h"
 #include "envmap/io/texels/rounding.h"
+#include "envmap/io/write_gain_map.h"
 #include "envmap/io/write_table.h"
 #include "envmap/light/light_error.h"
 #include "envmap/maths/portable.h"
@@ -49,8 +51,8 @@ std::string readme_text(const Engine& e, const std::vector<BakedFile>& maps, dou
                                  exposure == 0 ? "" : fmt::format(", multiplied by 2^{:g}", exposure));
   for (const BakedFile& map : maps)
     text += fmt::format("{}: {}, {}x{}{}, {}; {}.\n", map.name, frame_words(map.frame), map.width, map.size,
-                        map.levels > 1 ? fmt::format(" in {} levels", map.levels) : "", name(map.written.depth),
-                        map.accuracy);
+                        map.levels > 1 ? fmt::format(" in {} levels", map.levels) : "",
+                        is_jpeg(map.name) ? "8 bits and a gain map" : name(map.written.depth), map.accuracy);
   return text + fmt::format("Orientation: {}\nRough and diffuse light: {}.\n\n{}\n", turns_of(e), e.light, e.steps);
 }
 
@@ -95,9 +97,42 @@ void check_depth(const Engine& engine, const BakeOptions& options) {
                                    name(*options.write.depth)));
 }
 
+BakedFile described(const EngineMap& map, const BakedMap& made, const Written& written, const std::string& accuracy) {
+  const Rows& base = made.rows.front();
+  return {std::string(map.file), map.frame, base.width(), base.size, int(made.rows.size()), written, accuracy};
+}
+
+std::string of_gains(const GainMapError& e) {
+  const auto words = [](const Deviation& d) { return fmt::format("within {:.2g} (rms {:.2g})", d.maximum, d.rms); };
+  return fmt::format("; its gain map gives that back {} above white and {} below", words(e.above), words(e.below));
+}
+
+// A gain map rounds by what the map and the limit make of it. Half of the limit is left to each of filter and file.
+BakedFile bake_gain_map(const EngineMap& map, const EnvironmentMap& probe, const std::string& file,
+                        const WriteOptions& how, const BakeOptions& options, const Progress& progress) {
+  constexpr double made_part = 0.3;  // Qualities are tried.
+  BakeOptions resampled = options;
+  GainMapOptions gains;
+  if (const auto& most = options.max_error) {
+    resampled.max_error = 0.5 * *most;
+    gains.max_error = 0.5 * *most / (1 + 0.5 * *most);
+  }
+  WriteOptions of_gain_map = how;
+  of_gain_map.depth.reset();
+  const Rounding none{.depth = Depth::single};
+  const BakedMap made = Baker(probe, resampled).make(map, none, part_progress(progress, 0, made_part));
+  const GainMapWritten written = write_gain_map(file, made.rows.front(), gains, of_gain_map,
+                                                {.progress = part_progress(progress, made_part, 1 - made_part)});
+  const std::string accuracy =
+      options.max_error
+          ? fmt::format("read from it within {:g}, in the texels where the filter was measured", *options.max_error)
+          : made.accuracy;
+  return described(map, made, written.written, accuracy + of_gains(written.error));
+}
+
 // Makes and writes one map into the hidden folder.
-BakedFile bake_map(const EngineMap& map, Baker& baker, const OutputFolder& folder, const std::string& shown,
-                   const BakeOptions& options, const Progress& progress) {
+BakedFile bake_map(const EngineMap& map, const EnvironmentMap& probe, Baker& baker, const OutputFolder& folder,
+                   const std::string& shown, const BakeOptions& options, const Progress& progress) {
   constexpr double made_part = 0.8;  // The rest is the time to write.
   const std::string file = folder.file(map.file);
   WriteOptions how = options.write;
@@ -105,12 +140,12 @@ BakedFile bake_map(const EngineMap& map, Baker& baker, const OutputFolder& folde
   how.zstd = map.zstd;
   check_output(file, how, map.frame.projection, map.chain.has_value());
   try {
+    if (is_jpeg(map.file)) return bake_gain_map(map, probe, file, how, options, progress);
     const BakedMap made = baker.make(map, rounding_of(file, how), part_progress(progress, 0, made_part));
     how.pairs = made.pairs, how.facts = made.facts;
-    const Rows& base = made.rows.front();
     const Written written =
         write(file, made.rows, how, {.progress = part_progress(progress, made_part, 1 - made_part)});
-    return {std::string(map.file), map.frame, base.width(), base.size, int(made.rows.size()), written, made.accuracy};
+    return described(map, made, written, made.accuracy);
   } catch (const OutputError& e) {
     throw folder.with_final_path(e, map.file);
   } catch (const AccuracyError& e) {
@@ -134,7 +169,8 @@ void write_tables(const Engine& engine, const EnvironmentMap& probe, const Outpu
   write(engine.table, "ggx", brdf_table);
   write(engine.sheen, "charlie", sheen_table);
   if (!engine.irradiance.empty())
-    folder.write(engine.irradiance, harmonics_pair(IrradianceForm::filament, irradiance_polynomial(probe, {})).second);
+    folder.write(engine.irradiance,
+                 harmonics_pair(IrradianceForm::filament, irradiance_polynomial(project(probe, 2))).second);
 }
 
 void check_quality(const Quality& quality) {
@@ -199,7 +235,7 @@ std::vector<BakedFile> bake(EnvironmentMap probe, const Engine& engine, const st
     std::vector<BakedFile> baked;
     const double share = 1 / double(engine.maps.size());
     for (const EngineMap& map : engine.maps)
-      baked.push_back(bake_map(map, baker, out, folder + "/" + std::string(map.file), options,
+      baked.push_back(bake_map(map, probe, baker, out, folder + "/" + std::string(map.file), options,
                                part_progress(progress, share * double(baked.size()), share)));
     write_tables(engine, probe, out, options.write.commit);
     if (!engine.text.name.empty()) out.write(engine.text.name, engine.text.text);

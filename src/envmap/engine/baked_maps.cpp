@@ -48,11 +48,11 @@ void record_mirror(Facts& facts, MirroredAxis mirror) {
 }
 
 std::map<std::string, std::string> irradiance_pairs(const EngineMap& map, const EnvironmentMap& source,
-                                                    const Progress& progress) {
+                                                    const Prefilterer& prepared, const Progress& progress) {
   if (!map.chain || map.chain->irradiance == IrradianceForm::none) return {};
-  std::map<std::string, std::string> pairs{
-      harmonics_pair(map.chain->irradiance, irradiance_polynomial(source, progress))};
-  if (map.chain->irradiance == IrradianceForm::babylon) pairs.merge(babylon_irradiance(source));
+  const Harmonics radiance = project(source, 2, {.progress = progress});
+  std::map<std::string, std::string> pairs{harmonics_pair(map.chain->irradiance, irradiance_polynomial(radiance))};
+  if (map.chain->irradiance == IrradianceForm::babylon) pairs.merge(babylon_irradiance(prepared, radiance));
   return pairs;
 }
 
@@ -96,7 +96,7 @@ BakedMap Baker::chain(const EngineMap& wanted, const ErrorBudget& budget, const 
     made.levels.levels.push_back(std::move(level.done.map.base()));
   }
   made.rows = all_rows_of(made.levels);
-  made.pairs = irradiance_pairs(wanted, source_, {});
+  made.pairs = irradiance_pairs(wanted, source_, prepared(), {});
   made.accuracy = of_lobes(budget, options_.quality.max_error) + "; roughness by level: " + by_level;
   return made;
 }
@@ -111,11 +111,15 @@ BakedMap Baker::diffuse(const EngineMap& wanted, const ErrorBudget& budget, cons
   return made;
 }
 
-LevelInFile Baker::lobe(const PrefilterOptions& wanted, const ErrorBudget& budget, const Progress& progress) {
+const Prefilterer& Baker::prepared() {
   if (!prepared_) prepared_ = std::make_unique<Prefilterer>(borrowed(source_));
+  return *prepared_;
+}
+
+LevelInFile Baker::lobe(const PrefilterOptions& wanted, const ErrorBudget& budget, const Progress& progress) {
   PrefilterOptions within = wanted;
   within.max_error = budget.asked ? left_to_prefilter(budget) : options_.quality.max_error;
-  return make_level(*prepared_, within, budget, false, progress);
+  return make_level(prepared(), within, budget, false, progress);
 }
 
 BakedMap Baker::make(const EngineMap& wanted, const std::optional<Rounding>& rounding, const Progress& progress) {

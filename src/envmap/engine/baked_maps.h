@@ -24,8 +24,9 @@ struct BakedMap {
 };
 
 /// The irradiance that goes beside a chain, for WriteOptions::pairs; nothing where the engine wants none.
+/// @param prepared of `source`.
 std::map<std::string, std::string> irradiance_pairs(const EngineMap& map, const EnvironmentMap& source,
-                                                    const Progress& progress);
+                                                    const Prefilterer& prepared, const Progress& progress);
 
 /// The engine's frame where that is left-handed: X or Z negated.
 std::vector<Rows> mirrored(std::vector<Rows> levels, MirroredAxis mirror);
@@ -50,6 +51,7 @@ class Baker {
   [[nodiscard]] BakedMap environment(const EngineMap& wanted, const ErrorBudget& budget) const;
   [[nodiscard]] BakedMap chain(const EngineMap& wanted, const ErrorBudget& budget, const Progress& progress);
   [[nodiscard]] BakedMap diffuse(const EngineMap& wanted, const ErrorBudget& budget, const Progress& progress);
+  [[nodiscard]] const Prefilterer& prepared();
   [[nodiscard]] LevelInFile lobe(const PrefilterOptions& wanted, const ErrorBudget& budget, const Progress& progress);
 
   const EnvironmentMap& source_;

@@ -43,8 +43,9 @@ std::string gltf(const IrradiancePolynomial& p) {
 
 }  // namespace
 
-IrradiancePolynomial irradiance_polynomial(const EnvironmentMap& source, const Progress& progress) {
-  return shader_sh(source, ShBasis::filament, ShWindow::automatic, {.progress = progress});
+IrradiancePolynomial irradiance_polynomial(Harmonics radiance) {
+  apply_window(radiance, ShWindow::automatic);
+  return shader_sh(radiance, ShBasis::filament);
 }
 
 std::pair<std::string, std::string> harmonics_pair(IrradianceForm kind, const IrradiancePolynomial& p) {

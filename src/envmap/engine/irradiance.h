@@ -4,9 +4,8 @@
 #include <string>
 #include <utility>
 
-#include "envmap/base/run.h"
 #include "envmap/engine/engines.h"
-#include "envmap/map/environment_map.h"
+#include "envmap/prefilter/harmonics.h"
 #include "envmap/prefilter/shader_sh.h"
 
 namespace envmap {
@@ -14,8 +13,8 @@ namespace envmap {
 /// Irradiance over pi of a surface that faces (x, y, z): colours before 1, y, z, x, xy, yz, 3z^2 - 1, zx and x^2 - y^2.
 using IrradiancePolynomial = ShaderSh;
 
-/// By spherical harmonics to degree 2, windowed as `envmap sh --window auto` does where they would fall below 0.
-IrradiancePolynomial irradiance_polynomial(const EnvironmentMap& source, const Progress& progress);
+/// Of a radiance to degree 2, windowed as `envmap sh --window auto` does where the irradiance would fall below 0.
+IrradiancePolynomial irradiance_polynomial(Harmonics radiance);
 
 /// What goes into WriteOptions::pairs.
 std::pair<std::string, std::string> harmonics_pair(IrradianceForm kind, const IrradiancePolynomial& p);

@@ -24,6 +24,9 @@ def _warn(scene: "Scene", remarks: list[str]) -> None:
 class Light:
     """An environment that lights scenes, worked out once: for several calls of render() or view().
 
+    Lights of glTF scenes are in lux and candela. Radiance 1 of the map counts as 1 cd/m^2 beside them: multiply a map by its
+    `source.white_luminance` where that is stated.
+
     Parameters
     ----------
     map : Map or array

@@ -15,6 +15,7 @@
 #include "envmap/maths/portable.h"
 #include "envmap/operate/convert.h"
 #include "envmap/operate/measure.h"
+#include "envmap/prefilter/brdf_table.h"
 #include "envmap/prefilter/prefilter.h"
 #include "maps/map_facts.h"
 
@@ -96,13 +97,25 @@ void add_ggx(Report& data, const Prefilterer& source, int size, double scale) {
   constexpr int least = 8;
   int count = 2;
   while (size >> count >= least) ++count;
-  add(data, "ggx", {"GGX, roughness 0", size});
+  add(data, "ggx", {"the map, blurred", size});
   for (int k = 1; k < count; ++k) {
     const double roughness = double(k) / (count - 1);
     const Prefiltered made =
         source.make({.lobe = Lobe::ggx(roughness), .size = std::max(1, size >> k), .max_error = 1e-2});
     add(data, "ggx", page_level(fmt::format("GGX, roughness {:.2g}", roughness), made.map.base(), scale));
   }
+}
+
+// What of white light a surface of index 1.5 reflects: columns cosine, rows roughness. Its largest error is near
+// cosine 0, where Schlick's term bends most: 20 / 8 size^2.
+void add_dielectric(Report& data) {
+  constexpr std::size_t size = 32;
+  std::vector<Colour> part = brdf_table(int(size));
+  for (Colour& c : part) c = Colour(0.04F * c.x + c.y);
+  std::vector<std::byte> bytes(size * size * sizeof(std::uint32_t));
+  encode(Texels::rgb9e5, part, bytes);
+  data.put("dielectric.size", int(size));
+  data.put("dielectric.texels", base64(bytes));
 }
 
 double azimuth_of(Forward forward) {
@@ -150,12 +163,15 @@ std::string html_page(const Source& source, const PageOptions& o) {
            fmt::format("Cubes of {0} x {0} texels a face, made by 'envmap convert'; radiance in RGB9E5: within 1/512 "
                        "of the largest channel of a texel{1}. "
                        "GGX with n = v = r and no Fresnel term, and diffuse light, by 'envmap prefilter' within 1%; "
-                       "between its levels roughness is interpolated.",
+                       "between its levels roughness is interpolated. "
+                       "Plastic reflects the part of GGX that the split sum gives for an index of 1.5, and is diffuse "
+                       "below.",
                        o.size, divided));
   add_map(data, source.map, o.size, scale);
   add_ggx(data, prefilter, o.size, scale);
   const Prefiltered diffuse = prefilter.make({.lobe = Lobe::diffuse(), .size = 32, .max_error = 1e-2});
   add(data, "diffuse", page_level("diffuse light, white", diffuse.map.base(), scale));
+  add_dielectric(data);
   return filled(page_source("page.html"), {{"title", in_markup(o.file)},
                                            {"style", std::string(page_source("page.css"))},
                                            {"shader", std::string(page_source("page.glsl"))},

@@ -55,7 +55,10 @@ void check(const SceneGraph& scene) {
   std::size_t corners = 0;
   for (const Node& node : scene.nodes)
     for (const int mesh : node.meshes) corners += scene.meshes[mesh].indices.size();
-  if (corners == 0) throw InputError("holds no triangles");
+  if (corners == 0)
+    throw InputError(scene.lights.empty() ? "holds no triangles"
+                                          : "holds lights alone, and no triangles that they could light: copy its "
+                                            "lights and their nodes into a scene with meshes");
   if (corners > max_corners)
     throw InputError(fmt::format("its nodes draw over {} million corners: remove nodes or simplify their meshes",
                                  max_corners / 1000000));

@@ -12,11 +12,13 @@ uniform vec3 right, up, forward;   // Of the camera.
 uniform float spread;              // Half the height of what it sees, at distance 1.
 uniform mat3 turn;                 // Image to world, of latlong and angular views.
 uniform samplerCube map, ggx, diffuse;
+uniform sampler2D dielectric;      // What of white light a surface of index 1.5 reflects: by cosine and roughness.
+uniform float last_level;          // Of ggx: roughness 1.
 uniform int image;                 // 0 map, 1 ggx, 2 diffuse
 uniform float level;               // Of it.
 uniform float gain;                // Exposure, and what the texels were divided by.
 uniform int curve;                 // 0 clip, 1 reinhard, 2 neutral
-uniform vec4 balls[3];             // Middle and radius in half heights of the canvas; level of ggx, or -1: diffuse.
+uniform vec4 balls[3];             // Middle and radius in half heights of the canvas; level L of ggx; -1: diffuse; -2 - L: dielectric.
 
 // ---- views -----------------------------------------------------------------------------------------------------------
 
@@ -108,8 +110,13 @@ bool ball_at(vec4 ball, vec2 at, out vec3 d, out vec3 radiance) {
   vec3 away = normalize(forward + spread * (ball.x * right + ball.y * up));
   vec3 side = normalize(right - dot(right, away) * away);
   vec3 normal = in_ball.x * side + in_ball.y * cross(side, away) - sqrt(rest) * away;
-  d = ball.w < 0.0 ? normal : reflect(away, normal);
-  radiance = ball.w < 0.0 ? textureLod(diffuse, d, 0.0).rgb : textureLod(ggx, d, ball.w).rgb;
+  bool coated = ball.w < -1.0;
+  vec3 below = textureLod(diffuse, normal, 0.0).rgb;
+  d = ball.w == -1.0 ? normal : reflect(away, normal);
+  float ball_level = coated ? -2.0 - ball.w : ball.w;
+  vec3 reflected = textureLod(ggx, d, ball_level).rgb;
+  float part = coated ? textureLod(dielectric, vec2(sqrt(rest), ball_level / last_level), 0.0).r : ball.w < 0.0 ? 0.0 : 1.0;
+  radiance = mix(below, reflected, part);
   return true;
 }
 

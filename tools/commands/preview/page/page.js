@@ -1,6 +1,6 @@
 'use strict';
 // Draws the maps that the page holds. `data`: name, forward, scale, exposure, curve, facts, and textures, each a chain of cube
-// levels in RGB9E5 (GL's faces, little-endian, base64) with a name for each level.
+// levels in RGB9E5 (GL's faces, little-endian, base64) with a name for each level; dielectric is a square table of the same kind.
 
 const data = JSON.parse(document.getElementById('data').textContent);
 const element = (id) => document.getElementById(id);
@@ -13,11 +13,11 @@ const degrees = Math.PI / 180;
 
 // All that decides what is seen. Angles in degrees: yaw from +Z towards +X, as --rotate has it.
 const state = {
-  view: 0, image: 0, level: 0, exposure: data.exposure, curve: curves.indexOf(data.curve), yaw: data.forward, pitch: 0, fov: 75,
+  view: 0, image: 0, level: 0, blur: 0.5, exposure: data.exposure, curve: curves.indexOf(data.curve), yaw: data.forward, pitch: 0, fov: 75,
   balls: [
     { x: -0.7, y: -0.45, surface: 'ggx', roughness: 0 },
     { x: 0, y: -0.45, surface: 'ggx', roughness: 0.5 },
-    { x: 0.7, y: -0.45, surface: 'diffuse', roughness: 1 },
+    { x: 0.7, y: -0.45, surface: 'dielectric', roughness: 0.2 },
   ],
   ballsShown: true, ball: 1,
 };
@@ -63,6 +63,15 @@ function makeTexture(unit, chain) {
   gl.texParameteri(gl.TEXTURE_CUBE_MAP, gl.TEXTURE_MAG_FILTER, gl.LINEAR);
 }
 
+function makeTable(unit, { size, texels }) {
+  gl.activeTexture(gl.TEXTURE0 + unit);
+  gl.bindTexture(gl.TEXTURE_2D, gl.createTexture());
+  gl.texStorage2D(gl.TEXTURE_2D, 1, gl.RGB9_E5, size, size);
+  gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, size, size, gl.RGB, gl.UNSIGNED_INT_5_9_9_9_REV, words(texels));
+  for (const [name, value] of [['MIN_FILTER', gl.LINEAR], ['WRAP_S', gl.CLAMP_TO_EDGE], ['WRAP_T', gl.CLAMP_TO_EDGE]])
+    gl.texParameteri(gl.TEXTURE_2D, gl[`TEXTURE_${name}`], value);
+}
+
 // A pixel for the direction and one for the radiance under the pointer.
 function makePicker() {
   const frame = gl.createFramebuffer(), targets = [gl.COLOR_ATTACHMENT0, gl.COLOR_ATTACHMENT1];
@@ -89,9 +98,12 @@ function camera() {
   };
 }
 
+const lastLevel = data.textures.ggx.levels.length - 1;
+
 function ballUniform() {
-  return state.balls.flatMap((ball) => [ball.x, ball.y, state.ballsShown ? ballRadius : 0,
-    ball.surface === 'diffuse' ? -1 : ball.roughness * (data.textures.ggx.levels.length - 1)]);
+  const surfaces = { ggx: (level) => level, diffuse: () => -1, dielectric: (level) => -2 - level };
+  return state.balls.flatMap(({ x, y, surface, roughness }) =>
+    [x, y, state.ballsShown ? ballRadius : 0, surfaces[surface](roughness * lastLevel)]);
 }
 
 function setUniforms({ program, at }) {
@@ -103,8 +115,10 @@ function setUniforms({ program, at }) {
   const c = Math.cos(data.forward * degrees), s = Math.sin(data.forward * degrees);
   gl.uniformMatrix3fv(at('turn'), false, [c, 0, -s, 0, 1, 0, s, 0, c]);
   textureNames.forEach((name, unit) => gl.uniform1i(at(name), unit));
+  gl.uniform1i(at('dielectric'), textureNames.length);
+  gl.uniform1f(at('last_level'), lastLevel);
   gl.uniform1i(at('image'), state.image);
-  gl.uniform1f(at('level'), state.level);
+  gl.uniform1f(at('level'), state.image === 1 ? state.blur * lastLevel : state.level);
   gl.uniform1f(at('gain'), data.scale * 2 ** state.exposure);
   gl.uniform1i(at('curve'), state.curve);
   gl.uniform4fv(at('balls'), ballUniform());
@@ -254,7 +268,7 @@ canvas.addEventListener('keydown', (event) => {
 // ---- controls --------------------------------------------------------------------------------------------------------
 
 const images = textureNames.flatMap((name, image) => data.textures[name].levels.map((level, k) => ({ image, level: k, name: level.name })))
-  .filter(({ image, level }) => image !== 1 || level > 0);
+  .filter(({ image, level }) => image !== 1 || level === 0);
 
 function addOptions(select, names) {
   names.forEach((name, k) => select.add(new Option(name, k)));
@@ -264,6 +278,9 @@ function showState() {
   const ball = state.balls[state.ball];
   element('view').value = state.view;
   element('image').value = images.findIndex(({ image, level }) => image === state.image && level === state.level);
+  element('blur').value = state.blur;
+  element('blur').disabled = state.image !== 1;
+  element('blur-value').textContent = `roughness ${state.blur.toFixed(2)}, level ${(state.blur * lastLevel).toFixed(1)}`;
   element('exposure').value = state.exposure;
   element('stops').textContent = `${state.exposure.toFixed(2)} stops`;
   element('curve').value = curves[state.curve];
@@ -289,6 +306,7 @@ function addControls() {
   addOptions(element('image'), images.map(({ name }) => name));
   onInput('view', ({ value }) => { state.view = Number(value); });
   onInput('image', ({ value }) => Object.assign(state, { image: images[value].image, level: images[value].level }));
+  onInput('blur', ({ value }) => { state.blur = Number(value); });
   onInput('exposure', ({ value }) => { state.exposure = Number(value); });
   onInput('curve', ({ value }) => { state.curve = curves.indexOf(value); });
   onInput('balls-shown', ({ checked }) => { state.ballsShown = checked; });
@@ -313,6 +331,7 @@ function start() {
   addFacts();
   if (!gl) throw new Error('this browser has no WebGL 2');
   textureNames.forEach((name, unit) => makeTexture(unit, data.textures[name]));
+  makeTable(textureNames.length, data.dielectric);
   painter = makeProgram('');
   picker = makePicker();
   addControls();
