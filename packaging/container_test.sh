@@ -14,8 +14,8 @@ cp "$deb" "$work"
 
 # What is done in it: a map is converted and drawn, with the sample that came along.
 try='envmap convert "$(envmap manual --samples)/sample.hdr" cube.png --to cube --size 8 --clamp -q && envmap info cube.png >/dev/null &&
-printf "v -1 0 -1\nv 1 0 -1\nv 0 0 1\nf 1 2 3\n" >floor.obj && envmap render floor.obj drawn.exr --size 8 --ambient 1 --context osmesa &&
-test -s drawn.exr'
+printf "v -1 0 -1\nv 1 0 -1\nv 0 0 1\nf 3 2 1\n" >floor.obj && envmap render floor.obj drawn.exr --at 0,1,0 --size 8 --ambient 1 --context osmesa 2>said &&
+test -s drawn.exr && ! grep black said'
 
 for tool in docker podman; do
   if command -v $tool >/dev/null && $tool info >/dev/null 2>&1; then

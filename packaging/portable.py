@@ -19,11 +19,11 @@ import tempfile
 import bundle
 
 LAUNCHER = '''#!/bin/sh
-# Starts envmap with the loader and the libraries of this folder, wherever it lies. Libraries that LD_LIBRARY_PATH names
-# belong to another loader, so it does not count.
+# Starts the program of this name with the loader and the libraries of this folder, wherever it lies. Libraries that
+# LD_LIBRARY_PATH names belong to another loader, so it does not count.
 program=$(readlink -f "$0")
 here=${program%/bin/*}
-exec "$here/lib/ld-linux-x86-64.so.2" --library-path '' --argv0 "$program" "$here/lib/envmap-program" "$@"
+exec "$here/lib/ld-linux-x86-64.so.2" --library-path '' --argv0 "$program" "$here/lib/${program##*/}-program" "$@"
 '''
 
 README = '''envmap {version} for Linux on x86-64. Nothing has to be installed.
@@ -75,13 +75,14 @@ def osmesa():
 
 def make_program(tree, version, name):
     """Libraries, loader, font and documents, around what is installed."""
-    program = tree / 'lib/envmap-program'
-    (tree / 'bin/envmap').rename(program)
-    found = bundle.libraries(program, osmesa()) | {'libOSMesa.so.8': osmesa()}
+    programs = [start.rename(tree / f'lib/{start.name}-program') for start in sorted((tree / 'bin').iterdir())]
+    found = bundle.libraries(*programs, osmesa()) | {'libOSMesa.so.8': osmesa()}
     bundle.copy_libraries(found, tree / 'lib')
-    bundle.set_run_path(program, '$ORIGIN')
-    (tree / 'bin/envmap').write_text(LAUNCHER)
-    (tree / 'bin/envmap').chmod(0o755)
+    for program in programs:
+        bundle.set_run_path(program, '$ORIGIN')
+        start = tree / 'bin' / program.name.removesuffix('-program')
+        start.write_text(LAUNCHER)
+        start.chmod(0o755)
     (tree / 'share/fonts').mkdir(parents=True)
     shutil.copyfile('/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf', tree / 'share/fonts/DejaVuSans.ttf')
     (tree / 'README.txt').write_text(README.format(version=version))

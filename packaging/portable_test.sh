@@ -1,7 +1,8 @@
 #!/bin/sh
 # Tries the portable archive in systems where nothing is installed: Debian 11, 12, 13 and sid without even apt, and a folder
 # with busybox alone, which has no libc. Each runs the tour's commands, draws a scene and looks at files; the bytes must be
-# those that REFERENCE (default: build/release/envmap) writes here.
+# those that REFERENCE (default: build/release/envmap) writes here. The archive of formats is tried, too, if it lies beside
+# ARCHIVE. The commands of README.md run here, on the archive's own samples.
 #
 #   sh packaging/portable_test.sh ARCHIVE_OR_FOLDER [REFERENCE [SYSTEM...]]    (default: bullseye bookworm trixie sid busybox)
 #
@@ -26,6 +27,7 @@ else
   tar -C "$work/a folder" -xf "$archive"
 fi
 folder=$(cd "$work/a folder" && echo envmap-*)
+formats=${archive%.tar.xz}-formats.tar.xz
 python3 samples/scenes/make.py "$work/scenes"
 
 # What runs there and here. $1 is the folder of the sample, $2 that of the scenes.
@@ -49,6 +51,15 @@ envmap view "$2/ball.glb" view.png --environment latlong.hdr --width 64 --height
 envmap render "$2/ball.glb" rays.exr --method raycast --size 32 --ambient 1 -q
 JOBS
 
+# What is of the archive of formats.
+cat >"$work/formats.sh" <<'FORMATS'
+set -eu
+for format in tif jpg webp; do
+  envmap convert latlong.hdr "map.$format" --size 64 --clamp -q
+  envmap info "map.$format" >"$format.txt"
+done
+FORMATS
+
 # What is of the folder alone: links, PATH, other people's libraries, jobs of jobs, a format that is apart.
 cat >"$work/place.sh" <<'PLACE'
 set -eu
@@ -67,6 +78,12 @@ ln -s "/opt/a folder/$1" '/opt/a;b:c'
 mkdir -p /wrong
 : >/wrong/libstdc++.so.6
 LD_LIBRARY_PATH=/wrong envmap --version >/dev/null || fails 'LD_LIBRARY_PATH counts'
+for program in "/opt/a folder/$1/bin"/*; do
+  "$program" --help >/dev/null || fails "$program does not start"
+done
+for path in man/man1/envmap-convert.1 bash-completion/completions/envmap doc/envmap/LICENSE doc/envmap/licenses/libtbb12.txt; do
+  test -s "/opt/a folder/$1/share/$path" || fails "lacks $path"
+done
 cd /tmp
 printf 'convert "%s/sample.hdr" a.exr --to cube --size 8\n' "$(envmap manual --samples)" >maps.txt
 envmap batch maps.txt --make Makefile
@@ -89,8 +106,14 @@ mkdir "$work/here"
 mkdir "$work/program"
 ln -s "$reference" "$work/program/envmap"
 (cd "$work/here" && PATH=$work/program:$PATH sh "$work/jobs.sh" "$OLDPWD/samples" "$work/scenes")
+[ ! -f "$formats" ] || (cd "$work/here" && PATH=$work/program:$PATH sh "$work/formats.sh")
 
 passed=0 failed=0
+if python3 tests/recipes.py . "$work/a folder/$folder/bin/envmap" README; then
+  passed=1
+else
+  failed=1
+fi
 for system; do
   root=$work/$system
   mkdir "$root"
@@ -102,16 +125,19 @@ for system; do
     done
     ln -s /bin/busybox "$root/usr/bin/env"
   else
-    [ -f "build/roots/$system.tar" ] ||
-      mmdebstrap --quiet --variant=essential --aptopt='Acquire::Check-Valid-Until "false"' "$system" "build/roots/$system.tar"
+    if [ ! -f "build/roots/$system.tar" ]; then # Whole, or not kept.
+      mmdebstrap --quiet --variant=essential --aptopt='Acquire::Check-Valid-Until "false"' "$system" "$work/$system.tar"
+      mv "$work/$system.tar" build/roots
+    fi
     tar -C "$root" -xf "build/roots/$system.tar" --exclude='./dev/*'
   fi
   mkdir -p "$root/opt" "$root/tmp/jobs" "$root/proc" "$root/dev"
   cp -al "$work/a folder" "$root/opt" # No copies of 250 MB.
   cp -a "$work/scenes" "$root/opt"
-  cp "$work/jobs.sh" "$work/place.sh" "$root"
+  cp "$work/jobs.sh" "$work/place.sh" "$work/formats.sh" "$root"
   if run_there "$root" /place.sh "$folder" &&
     run_there "$root" -c 'cd /tmp/jobs && sh /jobs.sh "$(envmap manual --samples)" /opt/scenes' &&
+    { [ ! -f "$formats" ] || { tar -C "$root/opt/a folder" -xf "$formats" && run_there "$root" -c 'cd /tmp/jobs && sh /formats.sh'; }; } &&
     diff -r "$work/here" "$root/tmp/jobs"; then
     passed=$((passed + 1))
     echo "$system: $(find "$work/here" -type f | wc -l) files have the same bytes"

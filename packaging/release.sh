@@ -30,7 +30,9 @@ if [ "${1:-}" = --inside ]; then
   [ "${3:-}" = archives ] || exit 0
   python3 packaging/portable.py build/deb "$output" --formats
   python3 packaging/wheel.py build/deb "$output"
-  tar -C "$output" --wildcards --strip-components=4 -xf "$output"/envmap-*-x86_64.tar.xz '*.spdx.json'
+  for archive in "$output"/envmap-*-x86_64.tar.xz "$output"/envmap-*-formats.tar.xz; do
+    tar -C "$output" --wildcards --strip-components=4 -xf "$archive" '*.spdx.json'
+  done
   exit
 fi
 

@@ -1,6 +1,7 @@
-"""Runs the commands of the documents word for word, on the files that samples/inputs.sh makes of samples/sample.hdr: every indented line
-of README.md and of docs/ that begins with `envmap` or `$ envmap`, in its order, every recipe of man/envmap.7, and every example of the pages
-of commands, which are those of --help. Where output follows a command, it is compared.
+"""Runs the commands of the documents word for word: every indented line of README.md and of docs/ that begins with `envmap` or `$ envmap`,
+in its order, every recipe of man/envmap.7, and every example of the pages of commands, which are those of --help. Where output follows a
+command, it is compared. The files that they read are made by inputs.sh of the samples that ENVMAP has: of the sources, if it was built
+there, or of its own place, if it is installed or in the portable archive.
 
   recipes.py SOURCE_DIR ENVMAP [WORD]    WORD: only what has this word in its name, such as README or envmap-convert
 """
@@ -47,10 +48,9 @@ def run(command, folder, wanted=()):
 
 def prepare(folder):
     """The files that the documents name."""
-    wrong = run(f'sh {source}/samples/inputs.sh .', folder)
+    wrong = run('sh "$(envmap manual --samples)/inputs.sh" .', folder)
     (folder / 'samples').mkdir()
-    shutil.copy(source / 'samples/sample.hdr', folder / 'samples')
-    return wrong
+    return wrong + run('cp "$(envmap manual --samples)/sample.hdr" samples', folder)
 
 
 def recipes(page):

@@ -17,6 +17,7 @@ restore() {
   configure -DENVMAP_SCENES=ON -DENVMAP_OPENIMAGEIO=ON
 }
 trap restore EXIT
+trap 'exit 1' INT TERM HUP
 
 # The program without OpenImageIO has to go through the configuration; to build it would take minutes.
 configure -DENVMAP_SCENES=ON -DENVMAP_OPENIMAGEIO=OFF

@@ -63,6 +63,9 @@ demand(not strays, f'exported besides envmap: {strays[:5]}')
 shown = [line for line in run('nm', '-DC', '--defined-only', library / 'libenvmap-scenes.so').splitlines() if ' T ' in line]
 demand(all(re.search(r'envmap::((render|view|irradiance_grid|ambient_cubes|write_grid|check_grid_file)\(|(Scene|Light|IrradianceGrid)::)', line) for line in shown), f'libenvmap-scenes.so exports {shown}')
 
+# The commands of the first page, on the samples that were installed.
+run(sys.executable, source / 'tests/recipes.py', source, tree / 'bin/envmap', 'README')
+
 # The example, word for word as the page has it.
 page = (tree / 'share/man/man3/envmap.3').read_text()
 example = re.search(r'^\.EX\n(.*?)^\.EE$', page, re.S | re.M)[1].replace('\\e', '\\').replace('\\-', '-')

@@ -109,7 +109,7 @@ def read(file: File, *, projection: Projection | None = None, layout: Layout | N
     >>> envmap.write("sky.exr", envmap.generate("sky", size=32), depth="half")
     >>> sky = envmap.read("sky.exr")
     >>> sky.source.format, sky.source.depth, sky.source.space
-    ('openexr', 'half', 'Linear Rec.709 (chromaticities)')
+    ('openexr', 'half', 'Linear Rec.709 (assumed, not specified in the file)')
     >>> envmap.read(open("sky.exr", "rb")).size
     32
     """

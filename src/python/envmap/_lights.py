@@ -96,9 +96,9 @@ def lights(map: AnyMap, *, min_share: Number = 0.01, max_radius: Number = 5.0, c
     Examples
     --------
     >>> import envmap
-    >>> found = envmap.lights(envmap.generate("sun", "latlong", 256, direction=(0, 1, 1), radius=1))
+    >>> found = envmap.lights(envmap.generate("sun", "latlong", 256, direction=(1, 2, 2), radius=1))
     >>> [round(x, 3) for x in found.lights[0].towards], round(found.lights[0].radius, 2)
-    ([0.0, 0.707, 0.707], 1.0)
+    ([0.333, 0.667, 0.667], 1.0)
     """
     all_found, remainder, error, ggx_error = _envmap.lights(core_of(map), min_share, max_radius, contrast, most, roughness, progress)
     return Lights([DiscLight(*light) for light in all_found], map_of(remainder), error, ggx_error)
