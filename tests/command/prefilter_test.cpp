@@ -1,7 +1,6 @@
 // prefilter and sh as their users run them: files, metadata, chains, the same bytes for any number of threads, errors.
-#include <nlohmann/json.hpp>
-
 #include <fstream>
+#include <nlohmann/json.hpp>
 
 #include "picture.h"
 #include "run.h"
