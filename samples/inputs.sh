@@ -34,6 +34,9 @@ envmap generate -q atmosphere sky.exr --size 128 --no-sun
 envmap generate -q sun sunny.hdr --size 128 --radius 1 --value 40
 envmap generate -q sun sun.exr --size 128 --radius 5 --value 1000 --zenith 0 --horizon 0 --ground 0
 
+# A lobe by cosines and values.
+printf '1 2.5\n0.9 1\n0.5 0.2\n0 0\n' > satin.txt
+
 # Lists for batch.
 echo 'mipmap probes/*.hdr out/{name}.ktx2 --depth half' > maps.txt
 echo '[["convert", "sample.hdr", "small.exr", "--size", 64], "mipmap cube.exr cube.ktx2 --depth half"]' > maps.json

@@ -70,6 +70,8 @@ light() {
   python3 "$root/samples/scenes/make.py" scenes >/dev/null
   run generate sky small.exr --to cube --size 4
   run prefilter small.exr exact.exr --lobe diffuse --size 4 --method exact
+  printf '1 1\n0.5 0.2\n0 0\n' > lobe.txt
+  run prefilter small.exr table.exr --lobe-table lobe.txt --size 4
   run prefilter small.exr exact.exr --lobe phong --exponent 50 --size 4 --method exact
   run prefilter small.exr exact.exr --lobe ggx --roughness 0.5 --size 4 --method exact
   for method in auto treecode; do

@@ -176,11 +176,11 @@ def add_lobe(copy):
     at.change(prefilter + 'treecode/lobe_bounds-inl.h', r'^}  // namespace HWY_NAMESPACE', lambda m: VEIL_REST + m[0])
     at.change(prefilter + 'prefix_sums/prefix_sums.cpp', r'^std::optional<ClampedCosinePolynomial> clamped_cosine_polynomial\(const LobeFormula& lobe\) \{\n',
               r'\g<0>  if (std::holds_alternative<Veil>(lobe)) return ClampedCosinePolynomial{{Veil::scale, Veil::scale, 0}};\n')
-    at.change(prefilter + 'lobe.h', r'(enum class LobeShape \{[^}]*)\}', r'\1, veil}')
-    at.change(prefilter + 'lobe.h', r'(lobe_shape_names\[\] = \{[^}]*)\}', r'\1, "veil"}')
+    at.change(prefilter + 'lobe.h', r'(enum class LobeShape \{[^}]*), table\}', r'\1, veil, table}')
+    at.change(prefilter + 'lobe.h', r'(lobe_shape_names\[\] = \{[^}]*), "table"\}', r'\1, "veil", "table"}')
     at.change(prefilter + 'lobe.cpp', r'if \(shape == LobeShape::diffuse\) \{', r'if (shape == LobeShape::diffuse || shape == LobeShape::veil) {')
     at.change(prefilter + 'lobe_formulas.cpp', r'    case LobeShape::diffuse: return Cosine\{\};\n', r'\g<0>    case LobeShape::veil: return Veil{};\n')
-    at.change('tools/commands/prefilter.cpp', r'if \(o\.shape != LobeShape::diffuse\) p\.lobe = Lobe\(o\.shape, parameters\[k\]\);', r'p.lobe = o.shape == LobeShape::diffuse || o.shape == LobeShape::veil ? Lobe(o.shape) : Lobe(o.shape, parameters[k]);')
+    at.change('tools/commands/prefilter.cpp', r'else if \(o\.shape != LobeShape::diffuse\)\s+p\.lobe = Lobe\(o\.shape, parameters\[k\]\);', r'else p.lobe = o.shape == LobeShape::diffuse || o.shape == LobeShape::veil ? Lobe(o.shape) : Lobe(o.shape, parameters[k]);')
 
 
 # ---- a file format: a line of size, then the floats ---------------------------------------------------------------------

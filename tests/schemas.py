@@ -174,6 +174,8 @@ def main():
     tell('prefilter', 'latlong.exr', 'out.ktx', '--for', 'filament', '--size', '16', '--max-error', '0.1')
     for lobe in (['phong', '--exponent', '3'], ['ggx', '--levels', '3', '--method', 'exact'], ['charlie', '--roughness', '0.5'], ['blinn-phong', '--exponent', '3']):
         tell('prefilter', 'latlong.exr', 'out.exr', '--size', '4', '--lobe', *lobe)
+    pathlib.Path('lobe.txt').write_text('1 1\n0.5 0\n')
+    tell('prefilter', 'latlong.exr', 'out.exr', '--size', '4', '--lobe-table', 'lobe.txt')
     pathlib.Path('plate.obj').write_text('o plate\nv -1 -1 -1\nv 1 -1 -1\nv 0 1 -1\nf 1 2 3\n')
     tell('info', 'plate.obj')
     tell('render', 'plate.obj', 'drawn.exr', '--size', '8', '--to', 'sphere', '--method', 'distort', '--ambient', '1')

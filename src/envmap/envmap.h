@@ -12,6 +12,7 @@
 #include "envmap/base/run.h"                // Run: progress, stop token, threads
 #include "envmap/base/version.h"            // ENVMAP_VERSION
 #include "envmap/io/read.h"                 // read(): Source
+#include "envmap/io/read_lobe.h"            // read_lobe(): tables, measured materials
 #include "envmap/io/texels/pack.h"          // pack(): PackedMap, for a graphics API
 #include "envmap/io/texels/pixel_buffer.h"  // map_of(), copy_to(): images in memory
 #include "envmap/io/write.h"                // write(), encode()

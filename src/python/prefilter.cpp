@@ -3,6 +3,8 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include <variant>
+
 #include "words.h"
 
 namespace envmap_python {
@@ -28,18 +30,31 @@ std::vector<double> parameters(LobeShape shape, const std::string& lobe, const P
   return *given;
 }
 
+// Of a file, or cosines and values.
+using Table = std::variant<std::monostate, std::string, std::vector<std::array<double, 2>>>;
+
+Lobe lobe_of(const Table& table) {
+  if (const auto* path = std::get_if<std::string>(&table)) return read_lobe(*path);
+  std::vector<LobeSample> samples;
+  for (const auto& [cosine, value] : std::get<2>(table)) samples.push_back({cosine, value});
+  return Lobe::table(std::move(samples));
+}
+
 // @return map, method, error, and how many texels were summed exactly.
 py::tuple prefilter_map(const Map& map, const std::string& lobe, const Parameters& exponents,
-                        const Parameters& roughnesses, const std::string& to, std::optional<int> size,
-                        const std::string& method, double max_error, std::optional<double> scale,
-                        const std::string& forward, const py::object& progress) {
+                        const Parameters& roughnesses, const Table& table, const std::string& to,
+                        std::optional<int> size, const std::string& method, double max_error,
+                        std::optional<double> scale, const std::string& forward, const py::object& progress) {
   PrefilterOptions wanted{.scale = scale,
                           .to = projection_of(to),
                           .forward = forward_of(forward),
                           .method = method_of(method),
                           .max_error = max_error};
-  const LobeShape shape = shape_of(lobe);
-  const std::vector<Lobe> lobes = lobes_of(shape, parameters(shape, lobe, exponents, roughnesses));
+  const bool is_table = table.index() > 0;
+  if (is_table && (exponents || roughnesses)) throw UsageError("table has neither exponent nor roughness");
+  const LobeShape shape = is_table ? LobeShape::table : shape_of(lobe);
+  const std::vector<Lobe> lobes =
+      is_table ? std::vector{lobe_of(table)} : lobes_of(shape, parameters(shape, lobe, exponents, roughnesses));
   wanted.size =
       size.value_or(shape == LobeShape::diffuse ? matching_size(Projection::cube, 64, wanted.to)
                                                 : matching_size(map->projection(), map->base().height(), wanted.to));

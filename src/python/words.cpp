@@ -43,7 +43,7 @@ std::map<std::string, std::vector<std::string>> words() {
           {"Layout", words_of(cube_layouts, word_of)},
           {"Depth", words_of(depth_names)},
           {"Filter", words_of(filters(), &FilterInfo::name)},
-          {"Lobe", words_of(lobe_shape_names)},
+          {"Lobe", words_of(parametric_lobe_names)},
           {"Method", words_of(method_names)},
           {"PixelFormat", words_of(pixel_format_names)},
           {"Lens", words_of(camera_model_names)},
@@ -62,7 +62,7 @@ Forward forward_of(const std::string& word) { return named<Forward>("forward", w
 Layout layout_of(const std::string& word) { return cube_layouts[index_of_word("layout", word, cube_layouts, word_of)]; }
 Depth depth_of(const std::string& word) { return named<Depth>("depth", word, depth_names); }
 Filter filter_of(const std::string& word) { return named<Filter>("filter", word, filters(), &FilterInfo::name); }
-LobeShape shape_of(const std::string& word) { return named<LobeShape>("lobe", word, lobe_shape_names); }
+LobeShape shape_of(const std::string& word) { return named<LobeShape>("lobe", word, parametric_lobe_names); }
 Method method_of(const std::string& word) {
   return word == former_name_of_treecode ? Method::treecode : named<Method>("method", word, method_names);
 }

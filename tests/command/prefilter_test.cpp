@@ -1,4 +1,5 @@
 // prefilter and sh as their users run them: files, metadata, chains, the same bytes for any number of threads, errors.
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "picture.h"
@@ -50,6 +51,29 @@ TEST_F(Prefilter, AMirrorsLevelSaysItsError) {
   EXPECT_EQ(level["method"], "area");
   EXPECT_LE(level["max"].get<double>(), 1e-3);
   EXPECT_GT(level["max"].get<double>(), 0);
+}
+
+TEST_F(Prefilter, TakesALobeOfAFile) {
+  std::ofstream(path("lobe.txt")) << "degrees\n0 1\n20 0.5\n60 0\n";
+  const std::vector<std::string> wanted{"prefilter", "in.exr", "out.exr", "--lobe-table", "lobe.txt", "--size", "8"};
+  const Result r = envmap(wanted);
+  ASSERT_EQ(r.status, 0) << r.err;
+  EXPECT_NE(r.err.find("table, 8: treecode"), std::string::npos) << r.err;
+  EXPECT_EQ(attribute("out.exr", "envmap:lobe"), "table");
+  const auto refused = [&](std::vector<std::string> more, int status, const std::string& words) {
+    more.insert(more.begin(), wanted.begin(), wanted.end());
+    const Result failed = envmap(more);
+    EXPECT_EQ(failed.status, status) << failed.err;
+    EXPECT_NE(failed.err.find(words), std::string::npos) << failed.err;
+  };
+  refused({"--lobe", "ggx"}, usage, "--lobe");
+  refused({"--levels", "3"}, usage, "--levels: a map of a table has one");
+  refused({"--roughness", "0.5"}, usage, "--roughness is for --lobe ggx and charlie");
+  refused({"--method", "exact"}, usage, "treecode");
+  refused({"--for", "filament"}, usage, "remove --lobe-table");
+  refused({"--brdf-table", "b.exr"}, usage, "remove --brdf-table");
+  std::ofstream(path("lobe.txt")) << "1 1\n0.5\n";
+  refused({}, bad_input, "lobe.txt: line 2: must be a cosine and a value");
 }
 
 // The figure is that of the file. Colours whose channels are far apart lose most under a shared exponent.

@@ -36,7 +36,8 @@ double kernel(const PrefilterOptions& p, double cosine) {
     case LobeShape::blinn_phong: return std::pow(std::sqrt(0.5 * (1 + cosine)), p.lobe.parameter()) * cosine;
     case LobeShape::charlie:
       return std::pow(std::sqrt(0.5 * (1 - cosine)), 1 / (p.lobe.parameter() * p.lobe.parameter())) * cosine;
-    case LobeShape::ggx: break;
+    case LobeShape::ggx:
+    case LobeShape::table: break;
   }
   const double alpha = p.lobe.parameter() * p.lobe.parameter(),
                nh2 = 0.5 * (1 + cosine);  // The half vector leans half as far.

@@ -180,6 +180,24 @@ def test_errors_are_one_line(tmp_path):
         assert envmap.generate('sky', size=4, zenith=zenith).array.max() <= 2
 
 
+def test_tables_are_lobes_of_files_and_of_arrays(tmp_path):
+    cosines = np.linspace(0, 1, 60)
+    (tmp_path / 'lobe.txt').write_text(''.join(f'{c} {c**4}\n' for c in cosines))
+    of_array = envmap.prefilter(noise(16), table=np.stack([cosines, cosines**4], 1), size=4)
+    of_file = envmap.prefilter(noise(16), table=tmp_path / 'lobe.txt', size=4)
+    assert of_file.lobe == 'table' and of_file.method == 'treecode' and 0 < of_file.error <= 1e-3
+    np.testing.assert_array_equal(of_file.map.array, of_array.map.array)
+    np.testing.assert_allclose(of_file.map.array, envmap.prefilter(noise(16), 'phong', exponent=4, size=4).map.array, rtol=5e-3)
+    with pytest.raises(envmap.UsageError, match="leave out lobe='ggx'"):
+        envmap.prefilter(noise(16), 'ggx', table=[(1, 1), (0, 0)])
+    with pytest.raises(envmap.UsageError, match='neither exponent nor roughness'):
+        envmap.prefilter(noise(16), table=[(1, 1), (0, 0)], roughness=0.5)
+    with pytest.raises(envmap.UsageError, match='two samples or more'):
+        envmap.prefilter(noise(16), table=[(1, 1)])
+    with pytest.raises(envmap.InputError, match='none.txt'):
+        envmap.prefilter(noise(16), table=tmp_path / 'none.txt')
+
+
 def test_faces_are_those_of_a_cube():
     colours = np.array([(1, 0, 0), (0, 1, 1), (0, 1, 0), (1, 0, 1), (0, 0, 1), (1, 1, 0)], np.float32)
     np.testing.assert_array_equal(envmap.generate('faces', 'cube', 4).array, np.broadcast_to(colours[:, None, None], (6, 4, 4, 3)))

@@ -75,6 +75,8 @@ def test_docstrings_are_complete(name):
     (lambda a: envmap.convert('abc'), 'map', "a Map or an array of floats, not 'abc'"),
     (lambda a: envmap.prefilter(a, 'ggx', roughness='x'), 'roughness', 'a number or a list of numbers'),
     (lambda a: envmap.prefilter(a, 'ggx', roughness=[[1], [2, 3]]), 'roughness', 'a number or a list of numbers'),
+    (lambda a: envmap.prefilter(a, table=3), 'table', r'a file or an array \(n, 2\) of cosines and values, not 3'),
+    (lambda a: envmap.prefilter(a, table=[(1, 2, 3)]), 'table', r'an array \(n, 2\)'),
     (lambda a: envmap.write('x.exr', a, clamp=1), 'clamp', 'True or False, not 1'),
     (lambda a: envmap.write('x.exr', a, facts={'a': 1}), 'facts', 'a dict of str'),
     (lambda a: envmap.write(b'x.exr', a), 'file', r'os.fsdecode\(\)'),

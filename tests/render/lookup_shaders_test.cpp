@@ -107,6 +107,12 @@ std::vector<Direction> directions_of(const std::vector<glm::vec4>& vectors) {
   return directions;
 }
 
+// What envmap_lobe() looks up.
+struct LobeLookup {
+  glm::dvec3 axis;
+  double roughness;
+};
+
 class Lookups : public ::testing::TestWithParam<std::string> {
  protected:
   void SetUp() override {
@@ -159,6 +165,13 @@ class Lookups : public ::testing::TestWithParam<std::string> {
     glGetNamedBufferSubData(out, 0, GLsizeiptr(vectors.size() * sizeof(glm::vec4)), vectors.data());
     gl::check("evaluating");
     return vectors;
+  }
+
+  // envmap_lobe() of a floor, its normal +Y. @param edge rides on the length of the vector.
+  [[nodiscard]] static LobeLookup lobe_of(const glm::dvec3& v, double roughness, double edge) {
+    const glm::vec4 found = evaluate("envmap_lobe(vec3(0.0, 1.0, 0.0), normalize(d), w, length(d) - 1.0)",
+                                     {glm::vec4((1 + edge) * v, roughness)})[0];
+    return {glm::normalize(glm::dvec3(found)), double(found.w)};
   }
 
   // A cube of half floats, as it stands in the KTX2 file: the level index begins at byte 80, base first.
@@ -477,22 +490,112 @@ TEST_P(Lookups, ScaleAndBiasAreTheSplitSum) {
   }
 }
 
-// A floor, its normal +Y, seen from d: the mirror direction is d turned half round Y.
+// A floor, its normal +Y, seen from d: the mirrored direction is d turned half round Y.
 TEST_P(Lookups, SpecularLightIsTheProductOfBoth) {
   const gl::Texture specular = cube("specular.ktx2"), brdf = table();
   glBindTextureUnit(0, specular);
   glBindTextureUnit(1, brdf);
   std::vector<glm::vec4> vectors = random_directions(40);
   for (glm::vec4& v : vectors) v = {glm::normalize(glm::vec3(v.x, 0.2F + std::abs(v.y), v.z)), v.w};
+  const glm::dvec3 f0(0.04, 0.5, 1);
   const auto found =
       evaluate("envmap_specular(SPECULAR, BRDF, vec3(0.0, 1.0, 0.0), d, w, vec3(0.04, 0.5, 1.0)), 0.0", vectors);
   for (std::size_t k = 0; k < vectors.size(); ++k) {
-    const double roughness = double(vectors[k].w), a = mean_cosine(roughness);
+    const double roughness = double(vectors[k].w);
     const glm::dvec2 part = split_sum(double(vectors[k].y), roughness);
-    const glm::dvec3 r(-vectors[k].x, vectors[k].y, -vectors[k].z), f0(0.04, 0.5, 1);
+    const double edge = part.y / (0.51333 * part.x + part.y);
+    const LobeLookup lobe = lobe_of(glm::dvec3(vectors[k]), roughness, edge);
     for (int c = 0; c < 3; ++c)
-      EXPECT_NEAR(found[k][c], 0.5 * (1 + a * r[c]) * (f0[c] * part.x + part.y), 0.015) << k << " " << roughness;
+      EXPECT_NEAR(found[k][c], 0.5 * (1 + mean_cosine(lobe.roughness) * lobe.axis[c]) * (f0[c] * part.x + part.y),
+                  0.015)
+          << k << " " << roughness;
   }
+}
+
+// ---- the lobe at an angle, beside integrals -------------------------------------------------------------------------
+
+// The reflection of a floor by GGX over the disc of a sun of radiance 1, and of a level's lobe over the same disc.
+struct DiscOfSun {
+  glm::dvec3 towards;
+  double radius;
+
+  template <class F>
+  [[nodiscard]] double integral(const F& f) const {
+    constexpr int rings = 50, turns = 100;
+    const glm::dvec3 side = glm::normalize(glm::cross(towards, glm::dvec3(0.1, 0.2, 1))),
+                     up = glm::cross(towards, side);
+    double sum = 0;
+    for (int i = 0; i < rings; ++i)
+      for (int j = 0; j < turns; ++j) {
+        const double polar = radius * (i + 0.5) / rings, turn = 2 * pi * (j + 0.5) / turns;
+        sum += std::sin(polar) *
+               f(std::cos(polar) * towards + std::sin(polar) * (std::cos(turn) * side + std::sin(turn) * up));
+      }
+    return sum * radius * 2 * pi / (rings * turns);
+  }
+  [[nodiscard]] double reflected(const glm::dvec3& v, double roughness, double f0) const {
+    const double a2 = std::pow(roughness, 4);
+    const auto lambda = [&](double c) { return 0.5 * (std::sqrt(1 + a2 * (1 / (c * c) - 1)) - 1); };
+    return integral([&](const glm::dvec3& l) {
+      if (l.y <= 0) return 0.0;
+      const glm::dvec3 h = glm::normalize(l + v);
+      const double d = a2 / (pi * std::pow(h.y * h.y * (a2 - 1) + 1, 2)), fresnel = std::pow(1 - glm::dot(v, h), 5);
+      return (f0 + (1 - f0) * fresnel) * d / (1 + lambda(v.y) + lambda(l.y)) / (4 * v.y);
+    });
+  }
+  [[nodiscard]] double of_level(const LobeLookup& lobe) const {
+    const double a2 = std::pow(lobe.roughness, 4);
+    const auto value = [&](double c) { return c > 0 ? c / std::pow(0.5 * (1 + c) * (a2 - 1) + 1, 2) : 0; };
+    double whole = 0;
+    constexpr int steps = 4000;
+    for (int k = 0; k < steps; ++k) {
+      const double part = (k + 0.5) / steps, angle = pi / 2 * part * part * part;
+      whole += value(std::cos(angle)) * std::sin(angle) * 2 * pi * pi / 2 * 3 * part * part / steps;
+    }
+    return integral([&](const glm::dvec3& l) { return value(glm::dot(l, lobe.axis)); }) / whole;
+  }
+};
+
+// The rms over suns that pass the mirrored direction, over the rms of the truth.
+double error_of(const glm::dvec3& v, double roughness, double f0, double radius, const LobeLookup& lobe) {
+  const glm::dvec2 part = split_sum(v.y, roughness);
+  const glm::dvec3 r(-v.x, v.y, -v.z), across = glm::normalize(glm::cross(r, glm::dvec3(0, 1, 0)));
+  const double step = std::max(0.75 * roughness * roughness, radius / 2);
+  double off = 0, all = 0;
+  for (int k = -4; k <= 4; ++k)
+    for (const glm::dvec3& side : {across, glm::cross(across, r)}) {
+      const DiscOfSun sun{std::cos(k * step) * r + std::sin(k * step) * side, radius};
+      const double truth = sun.reflected(v, roughness, f0);
+      off += std::pow((f0 * part.x + part.y) * sun.of_level(lobe) - truth, 2), all += truth * truth;
+    }
+  return std::sqrt(off / all);
+}
+
+TEST_P(Lookups, TheLobeIsNearerToTheIntegralThanTheMirroredDirection) {
+  for (const double f0 : {1.0, 0.04}) {
+    double before = 0, after = 0, excess = 0;
+    for (const double degrees : {30.0, 60.0, 75.0, 85.0})
+      for (const double roughness : {0.3, 0.5, 0.8, 1.0}) {
+        const double view = degrees * pi / 180;
+        const glm::dvec3 v(std::sin(view), std::cos(view), 0);
+        const glm::dvec2 part = split_sum(v.y, roughness);
+        const LobeLookup lobe = lobe_of(v, roughness, part.y / (f0 * part.x + part.y));
+        for (const double sun : {5.0, 20.0}) {
+          const double radius = sun * pi / 360;
+          const double old = error_of(v, roughness, f0, radius, {{-v.x, v.y, 0}, roughness}),
+                       now = error_of(v, roughness, f0, radius, lobe);
+          before += old, after += now, excess = std::max(excess, now - old);
+        }
+      }
+    EXPECT_LT(after, 0.75 * before) << f0;
+    EXPECT_LT(excess, 0.35) << f0;
+  }
+}
+
+TEST_P(Lookups, ASmoothSurfaceLooksUpItsMirroredDirection) {
+  const LobeLookup lobe = lobe_of({0.6, 0.8, 0}, 0, 0.3);
+  EXPECT_EQ(lobe.roughness, 0);
+  EXPECT_LT(glm::distance(lobe.axis, glm::dvec3(-0.6, 0.8, 0)), 1e-6);
 }
 
 // Degrees 0, 1 and 2 of radiance are 1, 2/3 and 1/4 of it in the irradiance over pi (Ramamoorthi and Hanrahan 2001).

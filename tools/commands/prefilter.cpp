@@ -14,6 +14,7 @@
 #include "envmap/engine/baked_maps.h"
 #include "envmap/engine/level_roughness.h"
 #include "envmap/io/files/face_names.h"
+#include "envmap/io/read_lobe.h"
 #include "envmap/io/texels/rounding.h"
 #include "envmap/io/write_table.h"
 #include "envmap/map/atlas.h"
@@ -31,12 +32,13 @@ namespace {
 using namespace envmap;
 
 struct Request {
-  std::string input, output, table;
+  std::string input, output, table, lobe_table;
   ReadOptions read;
   WriteOptions write;
   const Engine* engine = nullptr;
   std::optional<LobeShape> lobe;
-  LobeShape shape = LobeShape::diffuse;  // Of `lobe`, or of the engine's map.
+  std::optional<Lobe> tabulated;         // Of `lobe_table`.
+  LobeShape shape = LobeShape::diffuse;  // Of `lobe`, the table, or the engine's map.
   PrefilterOptions map;
   std::optional<int> size, levels;
   bool one_level = false;  // --level was given.
@@ -75,6 +77,7 @@ std::vector<PrefilterOptions> levels_of(const Request& o) {
     throw UsageError(o.exponent ? "--exponent and --exponents: give one of them"
                                 : "--roughness and --roughnesses: give one of them");
   if (o.shape == LobeShape::diffuse && levels > 1) throw UsageError("--levels: a diffuse map has one");
+  if (o.tabulated && levels > 1) throw UsageError("--levels: a map of a table has one");
   if (!parameters.empty() && levels > 1 && levels != int(parameters.size()))
     throw UsageError(fmt::format("--levels {}: {} parameters are given", levels, parameters.size()));
   if (parameters.empty()) {
@@ -99,7 +102,10 @@ std::vector<PrefilterOptions> levels_of(const Request& o) {
   std::vector<PrefilterOptions> all;
   for (std::size_t k = 0; k < parameters.size(); ++k) {
     PrefilterOptions p = o.map;
-    if (o.shape != LobeShape::diffuse) p.lobe = Lobe(o.shape, parameters[k]);
+    if (o.tabulated)
+      p.lobe = *o.tabulated;
+    else if (o.shape != LobeShape::diffuse)
+      p.lobe = Lobe(o.shape, parameters[k]);
     p.size = size_inside_border(std::max(1, o.map.size >> k), o.write);
     check_method(p);
     all.push_back(p);
@@ -109,7 +115,7 @@ std::vector<PrefilterOptions> levels_of(const Request& o) {
 
 std::string words(const Lobe& lobe) {
   const std::string_view name = name_of(lobe.shape());
-  return lobe.shape() == LobeShape::diffuse ? std::string(name) : fmt::format("{} {:g}", name, lobe.parameter());
+  return std::isnan(lobe.parameter()) ? std::string(name) : fmt::format("{} {:g}", name, lobe.parameter());
 }
 
 // What the file says of its lobes: one number for each level.
@@ -151,7 +157,7 @@ void tell(const PrefilterOptions& p, const LevelInFile& made) {
 void add_level(Report& report, const PrefilterOptions& p, const LevelInFile& made) {
   const Prefiltered& done = made.done;
   report.append("levels[]");
-  report.put("levels[].parameter", p.lobe.shape() == LobeShape::diffuse ? ReportValue(nullptr) : p.lobe.parameter());
+  report.put("levels[].parameter", std::isnan(p.lobe.parameter()) ? ReportValue(nullptr) : p.lobe.parameter());
   report.put("levels[].size", p.size);
   report.put("levels[].method", method_name(done));
   report.put("levels[].seconds", done.seconds);
@@ -169,6 +175,7 @@ void write_brdf_table(const Request& o) {
 
 void check_brdf_table(const Request& o) {
   if (o.table.empty()) return;
+  if (!o.lobe_table.empty()) throw UsageError("--brdf-table: a tabulated lobe has no table: remove --brdf-table");
   if (o.lobe && has_exponent(*o.lobe))
     throw UsageError(fmt::format("--brdf-table: --lobe {} has no table: {}", name_of(*o.lobe),
                                  o.input.empty() ? "choose --lobe ggx or --lobe charlie" : "remove --brdf-table"));
@@ -211,6 +218,7 @@ void choose_rows(const Request& o, const std::optional<Rounding>& rounding, cons
 // What an engine's row settles: the frame and the file, and the roughness of its levels where no others were asked for.
 const EngineMap* resolve_engine(Request& o) {
   if (!o.engine) return nullptr;
+  if (o.tabulated) throw UsageError("--for: engines look for the lobes that they name: remove --lobe-table");
   o.engine = &row_for(*o.engine, o.output, o.write);
   const EngineMap& map = prefiltered_of(*o.engine, o.lobe == LobeShape::diffuse);
   if (!map.chain && map.diffuse == 0 && !o.lobe)
@@ -306,6 +314,7 @@ const EngineMap* resolve_options(Request& o) {
     throw UsageError("--output-space: must be a linear space for prefiltered light");
   if (!has_forward(o.to.value_or(Projection::cube))) o.read.assumed_forward = o.forward;
   o.shape = o.lobe.value_or(LobeShape::diffuse);
+  if (!o.lobe_table.empty()) o.tabulated = read_lobe(o.lobe_table), o.shape = LobeShape::table;
   const EngineMap* engine = resolve_engine(o);
   o.map.to = o.to.value_or(Projection::cube);
   o.map.scale = o.scale;
@@ -363,7 +372,9 @@ Action define_prefilter(Options& o) {
   o.reads("INPUT", r->input, "File to read, or '-' for stdin ({face}: six files, {level}: one per level)");
   o.writes("OUTPUT", r->output, "File to write, or '-' for stdout ({face} and {level} as for INPUT)");
   o.group = "Lobe and levels";
-  o.add("--lobe", one_of(r->lobe, lobe_shape_names), "{} (default: diffuse, or the engine's)");
+  o.add("--lobe", one_of(r->lobe, parametric_lobe_names), "{} (default: diffuse, or the engine's)");
+  Option& table = o.add("--lobe-table", "FILE", &r->lobe_table, "A lobe by cosines and values, or a MERL material");
+  table.file = File::input, table.excludes = "--lobe";
   o.add("--roughness", "R", &r->roughness, range_of(limits::roughness),
         "Perceptual roughness of ggx and charlie, 0 to 1");
   o.add("--exponent", "M", &r->exponent, range_of(limits::exponent), "Exponent of phong and blinn-phong, 0 to 1e9");

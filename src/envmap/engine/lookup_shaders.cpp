@@ -30,10 +30,8 @@ std::string_view take(std::string_view& text) {
 }
 
 std::string in_hlsl(std::string_view glsl) {
-  static const std::map<std::string_view, std::string_view> names{{"vec2", "float2"},
-                                                                  {"vec3", "float3"},
-                                                                  {"atan", "atan2"},
-                                                                  {"inversesqrt", "rsqrt"}};
+  static const std::map<std::string_view, std::string_view> names{
+      {"vec2", "float2"}, {"vec3", "float3"}, {"vec4", "float4"}, {"atan", "atan2"}, {"inversesqrt", "rsqrt"}};
   static const std::map<std::string_view, std::string_view> textures{{"samplerCube", "TextureCube"},
                                                                      {"sampler2D", "Texture2D"}};
   std::string hlsl;

@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 #include <optional>
+#include <span>
 
 #include "envmap/base/error.h"
 #include "envmap/base/parallel.h"
@@ -20,6 +21,7 @@
 #include "envmap/prefilter/cell_moments.h"
 #include "envmap/prefilter/lobe_formulas.h"
 #include "envmap/prefilter/source_cube.h"
+#include "envmap/prefilter/tabulated/table_lobe.h"
 #include "envmap/projection/visit.h"
 
 namespace envmap {
@@ -238,18 +240,12 @@ EnvironmentMap evaluate(const Harmonics& h, Projection to, int size, Forward for
   });
 }
 
-std::vector<double> zonal(const Lobe& lobe, int order) {
-  check_range({"order", 0, 100000}, order);
-  const LobeFormula formula = formula_of(lobe);
-  const auto value = [&](double x) { return std::visit([x](const auto& l) { return l.value(x); }, formula); };
-  // Panels that halve towards the middle of the lobe, as far as it changes, and towards the horizon, where it may be
-  // bent.
-  const double width = std::visit([](const auto& l) { return l.width(); }, formula);
-  std::vector<double> breaks{0};
-  for (int k = std::min(-1, std::ilogb(width) - 8); k <= -1; ++k) breaks.push_back(std::ldexp(1.0, k));
-  for (int k = -2; k >= -40; --k) breaks.push_back(1 - std::ldexp(1.0, k));
-  breaks.push_back(1);
-  const double least = 1e-25 * value(0);
+namespace {
+
+// Integrals of a lobe times each P_l, by Gauss's points in panels of x = 1 - cosine. @param least value of the lobe
+// that counts where a panel begins.
+template <class Value>
+std::vector<double> zonal_of(std::span<const double> breaks, int order, double least, const Value& value) {
   std::vector<double> cosine, weight;
   const auto add = [&](double lo, double hi) {
     if (value(lo) < least) return;
@@ -280,6 +276,29 @@ std::vector<double> zonal(const Lobe& lobe, int order) {
     }
   }
   return factors;
+}
+
+}  // namespace
+
+std::vector<double> zonal(const Lobe& lobe, int order) {
+  check_range({"order", 0, 100000}, order);
+  if (lobe.shape() == LobeShape::table) {
+    std::vector<double> breaks;
+    for (const LobeSample& s : lobe.samples()) breaks.push_back(1 - s.cosine);
+    std::ranges::reverse(breaks);
+    const prefiltering::TableLobe table(lobe.samples());
+    return zonal_of(breaks, order, 0, [&](double x) { return table.value(1 - x); });
+  }
+  const LobeFormula formula = formula_of(lobe);
+  const auto value = [&](double x) { return std::visit([x](const auto& l) { return l.value(x); }, formula); };
+  // Panels that halve towards the middle of the lobe, as far as it changes, and towards the horizon, where it may be
+  // bent.
+  const double width = std::visit([](const auto& l) { return l.width(); }, formula);
+  std::vector<double> breaks{0};
+  for (int k = std::min(-1, std::ilogb(width) - 8); k <= -1; ++k) breaks.push_back(std::ldexp(1.0, k));
+  for (int k = -2; k >= -40; --k) breaks.push_back(1 - std::ldexp(1.0, k));
+  breaks.push_back(1);
+  return zonal_of(breaks, order, 1e-25 * value(0), value);
 }
 
 std::vector<double> irradiance_factors(int order) {

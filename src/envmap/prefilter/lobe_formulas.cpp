@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <stdexcept>
 
 #include "envmap/maths/portable.h"
 
@@ -91,6 +92,7 @@ LobeFormula formula_of(const Lobe& lobe) {
     case LobeShape::phong: return parameter == 1 ? LobeFormula(Cosine{}) : LobeFormula(Phong{parameter});
     case LobeShape::blinn_phong: return parameter == 0 ? LobeFormula(Cosine{}) : LobeFormula(BlinnPhong(parameter));
     case LobeShape::ggx: return Ggx(parameter);
+    case LobeShape::table: throw std::logic_error("a table has no formula: tabulated/ sums it");
     case LobeShape::charlie: break;
   }
   return Charlie(parameter);

@@ -136,7 +136,7 @@ using LobeFormula = std::variant<Cosine, Phong, Ggx, BlinnPhong, Charlie>;
 static_assert(RadialLobe<Cosine> && RadialLobe<Phong> && RadialLobe<Ggx> && RadialLobe<BlinnPhong> &&
               RadialLobe<Charlie>);
 
-/// Lobes that are the diffuse one, such as phong of exponent 1, are Cosine.
+/// Lobes that are the diffuse one, such as phong of exponent 1, are Cosine. Tables have no formula, but tabulated/.
 LobeFormula formula_of(const Lobe& lobe);
 
 }  // namespace envmap

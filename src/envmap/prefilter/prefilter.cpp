@@ -28,6 +28,7 @@
 #include "envmap/prefilter/prefix_sums/prefix_sums.h"
 #include "envmap/prefilter/prepared_source.h"
 #include "envmap/prefilter/sheen/sheen.h"
+#include "envmap/prefilter/tabulated/tabulated_map.h"
 #include "envmap/prefilter/treecode/treecode.h"
 #include "envmap/prefilter/work_counters.h"
 
@@ -113,13 +114,28 @@ Method make_fast(PreparedSource& from, const PrefilterOptions& wanted, const Lob
   return choice.method;
 }
 
+bool is_table(const Lobe& lobe) { return lobe.shape() == LobeShape::table; }
+
+// Makes a map of a table.
+void make_table(PreparedSource& from, const PrefilterOptions& wanted, const TargetTexels& map, Prefiltered& done) {
+  done.method = Method::treecode;
+  if (from.light.mean <= 0) return;
+  tabulated_map(from.tree(), TableLobe(wanted.lobe.samples()), wanted.max_error, map);
+  for (const Texel& t : texels_of(map.out))
+    if (map.wants(t.face, t.j)) done.error = std::max<double>(done.error, map.bounds[index_of(map.out, t)]);
+  if (!(done.error <= wanted.max_error))
+    throw AccuracyError(
+        fmt::format("the table is summed to an error of {:.1e}, not to {:g}", done.error, wanted.max_error));
+}
+
 // Makes a map. Texels whose bounds exceed the error are summed exactly.
 void make_lobe(PreparedSource& from, const PrefilterOptions& wanted, const Target& target, const Progress& progress,
                Prefiltered& done) {
   Level& out = done.map.base();
-  const LobeFormula lobe = formula_of(wanted.lobe);
   std::vector<float> bounds(index_of(out, {out.faces(), 0, 0}), std::numeric_limits<float>::infinity());
   const TargetTexels map{target, wanted.rows, out, bounds, progress};
+  if (is_table(wanted.lobe)) return make_table(from, wanted, map, done);
+  const LobeFormula lobe = formula_of(wanted.lobe);
   std::vector<Texel> all = texels_of(out), left;
   done.method = make_fast(from, wanted, lobe, all.size(), map);
   std::erase_if(all, [&](const Texel& t) { return !map.wants(t.face, t.j); });
@@ -155,6 +171,14 @@ std::string_view method_name(const Prefiltered& done) {
 
 void check_method(const PrefilterOptions& p) {
   if (p.lobe.is_mirror()) return;
+  if (is_table(p.lobe)) {
+    if (p.method != Method::automatic && p.method != Method::treecode)
+      throw UsageError("tables are summed by the treecode, and by no other method");
+    if (p.max_error < least_table_error)
+      throw UsageError(
+          fmt::format("tables are summed to errors from {:g}, not to {:g}", least_table_error, p.max_error));
+    return;
+  }
   const LobeFormula lobe = formula_of(p.lobe);
   if (p.method == Method::prefix_sums && !clamped_cosine_polynomial(lobe))
     throw UsageError("prefix sums make diffuse maps, phong of exponent 1, 2 or 3 and ggx of roughness 1");

@@ -99,7 +99,8 @@ class Prefilterer {
   /// Makes one map. Every texel has a bound of its error: proved, but for multilevel sums, whose bound has a factor of
   /// the lobe that was measured. `automatic` takes the method of the least predicted cost. Texels whose bound is over
   /// the error wanted are summed exactly.
-  /// @throws UsageError where a field is out of its range (bounds.h).
+  /// @throws UsageError where a field is out of its range (bounds.h). AccuracyError where a texel of a table would take
+  /// too many nodes: tables have no exact sum.
   Prefiltered make(const PrefilterOptions& wanted, const Run& run = {}) const;
 
   /// Makes the levels of a chain, one for each lobe: level k is as `base` with lobe k, and its height is

@@ -13,7 +13,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
 
 import numpy
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from ._errors import ArgumentError
 
@@ -132,6 +132,20 @@ def file_name(value: Any) -> bytes:
     return encoded_name(name)
 
 
+def lobe_table(value: Any) -> bytes | list[tuple[float, float]]:
+    """A file, or cosines and values."""
+    words = "a file or an array (n, 2) of cosines and values"
+    if isinstance(value, (str, os.PathLike)):
+        return file_name(value)
+    try:
+        rows = [numbers(row) for row in value]
+    except (Unfit, ValueError, TypeError):
+        raise Unfit(words) from None
+    if isinstance(value, Mapping) or any(len(row) != 2 for row in rows):
+        raise Unfit(words)
+    return [(row[0], row[1]) for row in rows]
+
+
 def encoded_name(name: str | bytes) -> bytes:
     try:
         encoded = os.fsencode(name)
@@ -163,6 +177,7 @@ Triple = Annotated[Numbers, three_numbers]
 Parameter = Annotated[float | numpy.floating[Any] | numpy.integer[Any] | Numbers, one_or_more]
 Place = Annotated[str | Numbers, place]
 Path = Annotated[str | os.PathLike[str], file_name]
+Table = Annotated[str | os.PathLike[str] | ArrayLike, lobe_table]
 Progress = Annotated[Callable[[float], object] | None, told]
 Facts = Annotated[Mapping[str, str], texts]
 

@@ -6,7 +6,7 @@ import numpy
 from numpy.typing import ArrayLike, NDArray
 
 from . import _envmap
-from ._arguments import Number, Parameter, Progress, Unfit, Whole, public
+from ._arguments import Number, Parameter, Progress, Table, Unfit, Whole, public
 from ._errors import UsageError
 from ._map import AnyMap, Map, as_map, core_of, map_of
 from ._words import Forward, Lobe, Method, Projection, ShBasis, Window
@@ -29,7 +29,7 @@ class Prefiltered:
     exact : int
         Texels that were summed exactly.
     lobe : str
-        The lobe that was asked for.
+        The lobe that was asked for; 'table' of a table.
     roughness, exponent : list of float or None
         The parameter of each level.
     """
@@ -45,7 +45,7 @@ class Prefiltered:
 
 @public
 def prefilter(map: AnyMap, lobe: Lobe = "diffuse", *, exponent: Parameter | None = None, roughness: Parameter | None = None,
-              to: Projection = "cube", size: Whole | None = None, method: Method = "auto", max_error: Number = 1e-3,
+              table: Table | None = None, to: Projection = "cube", size: Whole | None = None, method: Method = "auto", max_error: Number = 1e-3,
               scale: Number | None = None, forward: Forward = "+z", progress: Progress = None) -> Prefiltered:
     """Integrates a map with the lobe of a material, for each direction. Every texel is within max_error.
 
@@ -59,6 +59,8 @@ def prefilter(map: AnyMap, lobe: Lobe = "diffuse", *, exponent: Parameter | None
         Of phong and blinn-phong, 0 to 1e9. A list makes a mip chain: a level for each, half the size of the one before.
     roughness : float or list, optional
         Perceptual roughness of ggx and charlie, 0 to 1. A list makes a chain: see level_roughnesses().
+    table : str, os.PathLike or array, optional
+        A lobe in the place of `lobe`: a file, as --lobe-table of envmap-prefilter(1) takes it, or an array (n, 2) of cosines and values.
     to : str, optional
         Projection of the result (default: 'cube').
     size : int, optional
@@ -81,9 +83,9 @@ def prefilter(map: AnyMap, lobe: Lobe = "diffuse", *, exponent: Parameter | None
     Raises
     ------
     UsageError
-        A value is out of its range, or the lobe lacks its parameter.
+        A value is out of its range, or the lobe lacks its parameter, or both a lobe and a table are given.
     InputError
-        The map holds NaN, infinite or negative radiance.
+        The map holds NaN, infinite or negative radiance, or the file holds no table.
 
     Examples
     --------
@@ -94,10 +96,14 @@ def prefilter(map: AnyMap, lobe: Lobe = "diffuse", *, exponent: Parameter | None
     >>> chain = envmap.prefilter(sky, "ggx", roughness=[0, 0.5, 1], size=16)
     >>> len(chain.map.levels), chain.error <= 1e-3
     (3, True)
+    >>> envmap.prefilter(sky, table=[(1, 1), (0.9, 0)], size=16).lobe
+    'table'
     """
-    core, done_by, error, exact = _envmap.prefilter(core_of(map), lobe, exponent, roughness, to, size, method, max_error, scale, forward,
-                                                    progress)
-    return Prefiltered(map_of(core), done_by, error, exact, lobe, roughness, exponent)  # type: ignore[arg-type]
+    if table is not None and lobe != "diffuse":
+        raise UsageError(f"prefilter() takes a lobe or a table: leave out lobe='{lobe}'")
+    core, done_by, error, exact = _envmap.prefilter(core_of(map), lobe, exponent, roughness, table, to, size, method, max_error, scale,
+                                                    forward, progress)
+    return Prefiltered(map_of(core), done_by, error, exact, lobe if table is None else "table", roughness, exponent)  # type: ignore[arg-type]
 
 
 @public

@@ -169,7 +169,7 @@ T number_of(const std::string& task, const std::string& text, T least, T most) {
 }
 
 std::optional<LobeShape> shape_named(std::string_view word) {
-  const int shape = index_of(word, lobe_shape_names);
+  const int shape = index_of(word, parametric_lobe_names);
   return shape < 0 ? std::nullopt : std::optional(static_cast<LobeShape>(shape));
 }
 

@@ -197,12 +197,26 @@ vec2 envmap_scale_bias(sampler2D brdf, float n_v, float roughness) {
   return textureLod(brdf, vec2(n_v, roughness), 0.0).xy;
 }
 
+// Where to look up what a rough surface reflects: the direction, of any length, and the roughness of the level. A level is
+// made for a view along the normal. Seen at an angle, metals reflect from between the mirrored direction and the normal,
+// and all lobes are narrower across the plane of view. `edge` is the part of the reflection that Fresnel's term adds at
+// grazing angles. Fitted to suns of 1 to 20 degrees: docs/explanation/rough-reflections.md.
+vec4 envmap_lobe(vec3 n, vec3 v, float roughness, float edge) {
+  float alpha = roughness * roughness;
+  float leaning = alpha * (1.0 - edge);
+  float narrower = (1.0 - max(dot(n, v), 0.0)) * (0.3 * (1.0 - alpha) + alpha * edge);
+  float t = 1.0 - leaning * leaning;
+  return vec4(t * reflect(-v, n) + (1.0 - t) * n, min(1.0, roughness * (1.0 + 0.16 * alpha) * (1.0 - narrower)));
+}
+
 // Radiance that a surface reflects towards v, the unit vector to the eye. n is the normal, and f0 the reflectance at
 // normal incidence: 0.04 for most dielectrics, the base colour for metals.
 vec3 envmap_specular(samplerCube specular, sampler2D brdf,
                      vec3 n, vec3 v, float roughness, vec3 f0) {
-  vec3 radiance = textureLod(specular, reflect(-v, n), envmap_level(roughness)).rgb;
   vec2 scale_bias = textureLod(brdf, vec2(max(dot(n, v), 0.0), roughness), 0.0).xy;
+  float whole = (f0.x + f0.y + f0.z) / 3.0 * scale_bias.x + scale_bias.y;
+  vec4 lobe = envmap_lobe(n, v, roughness, scale_bias.y / max(whole, 1e-6));
+  vec3 radiance = textureLod(specular, lobe.xyz, envmap_level(lobe.w)).rgb;
   return radiance * (f0 * scale_bias.x + vec3(scale_bias.y, scale_bias.y, scale_bias.y));
 }
 
