@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "envmap/base/error.h"
+#include "envmap/scenes/render/choose_drawing.h"
 #include "envmap/scenes/render/context.h"
 #include "envmap/scenes/render/rays/raycast.h"
 #include "envmap/scenes/render/renderer.h"

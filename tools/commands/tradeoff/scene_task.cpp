@@ -4,6 +4,7 @@
 
 #include "cli/console.h"
 #include "envmap/base/error.h"
+#include "envmap/scenes/render/choose_drawing.h"
 #include "envmap/scenes/render/rays/raycast.h"
 
 namespace tools {

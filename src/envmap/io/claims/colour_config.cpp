@@ -9,7 +9,7 @@ namespace {
 constexpr std::string_view rec709_names[] = {
     "Linear Rec.709 (sRGB)", "lin_rec709", "lin_srgb", "rec709", "linear", "Linear sRGB"};
 constexpr std::string_view srgb_names[] = {"srgb_tx", "sRGB - Texture", "srgb_texture"};
-constexpr std::string_view acescg_names[] = {"ACES - ACEScg", "lin_ap1"};
+constexpr std::string_view acescg_names[] = {"ACES - ACEScg", "lin_ap1", "ap1"};
 constexpr std::string_view aces_names[] = {"ACES - ACES2065-1", "lin_ap0", "ap0"};
 constexpr std::string_view rec2020_names[] = {"Rec.2020", "lin_rec2020", "rec2020"};
 constexpr std::string_view xyz_names[] = {"CIE-XYZ-D65", "CIE XYZ-D65", "lin_ciexyzd65"};
