@@ -6,13 +6,14 @@ export const renderer = THREE.WebGPURenderer ? new THREE.WebGPURenderer({ canvas
 await renderer.init?.();
 const Target = THREE.WebGLRenderTarget ?? THREE.RenderTarget;
 
-// Rows of WebGPU's buffers begin at multiples of 256 bytes.
+// Rows from the bottom. Those of WebGPU's buffers are from the top, and begin at multiples of 256 bytes where the buffer is not packed.
 async function pixels_of(image, size) {
-  const packed = new Float32Array(4 * size * size);
-  const read = await renderer.readRenderTargetPixelsAsync(image, 0, 0, size, size, THREE.WebGPURenderer ? undefined : packed);
-  const stride = read.length === packed.length ? 4 * size : 64 * Math.ceil(size / 16);
-  if (read !== packed) for (let j = 0; j < size; ++j) packed.set(read.subarray(j * stride, j * stride + 4 * size), 4 * j * size);
-  return packed;
+  const pixels = new Float32Array(4 * size * size);
+  if (!THREE.WebGPURenderer) return renderer.readRenderTargetPixelsAsync(image, 0, 0, size, size, pixels);
+  const read = await renderer.readRenderTargetPixelsAsync(image, 0, 0, size, size);
+  const stride = read.length === pixels.length ? 4 * size : 64 * Math.ceil(size / 16);
+  for (let j = 0; j < size; ++j) pixels.set(read.subarray(j * stride, j * stride + 4 * size), 4 * (size - 1 - j) * size);
+  return pixels;
 }
 const geometry = new THREE.SphereGeometry(1, 256, 128);
 
