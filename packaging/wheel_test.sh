@@ -1,6 +1,6 @@
 #!/bin/sh
-# Tries the wheel in a Debian that has Python with numpy and nothing else, in a venv: maps, files and rays, and that it does not look for libraries
-# outside of it.
+# Tries the wheel in a Debian that has Python with numpy and nothing else, in a venv: maps, files, rays, the examples of all functions, and that
+# it does not look for libraries outside of it.
 #
 #   sh packaging/wheel_test.sh WHEEL [SUITE]     (default: bookworm, whose Python is 3.11)
 #
@@ -16,6 +16,7 @@ mkdir "$work/wheels"
 cp "$wheel" samples/sample.hdr "$work/wheels"
 
 cat >"$work/own.py" <<'PYTHON'
+import doctest
 import pathlib
 
 import envmap
@@ -34,7 +35,10 @@ own = pathlib.Path(envmap.__file__).parent / "lib"
 loaded = {pathlib.Path(line.split()[-1]) for line in open("/proc/self/maps") if ".so" in line}
 foreign = [f for f in loaded if (own / f.name).exists() and f.parent != own and not f.name.startswith(("libstdc++", "libgcc_s"))]
 assert not foreign and any(f.parent == own for f in loaded), foreign
-print("wheel_test: envmap", envmap.__version__, "read, converted, prefiltered, wrote and drew")
+# What help() shows of each function.
+failed, examples = doctest.testmod(envmap)
+assert examples and not failed
+print("wheel_test: envmap", envmap.__version__, "read, converted, prefiltered, wrote and drew, and ran", examples, "lines of examples")
 PYTHON
 tar -C "$work" -cf "$work/tree.tar" wheels own.py
 
