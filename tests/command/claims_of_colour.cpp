@@ -330,6 +330,19 @@ void add_tiff(Rows& rows) {
       {0.5, 0.25, 0.125}, {"Inks"}, 1e-3);
   add("PhotometricInterpretation", Becomes::refused, "lab.tif", tiff(2, 1, 3, 8, "abcabc", {{262, 3, 1, little(8, 2)}}),
       {}, {"not supported", "L*a*b*"});
+  const auto refuse = [&](const std::string& claim, const std::string& name, const std::string& bytes,
+                          const std::string& word) {
+    add(claim, Becomes::refused, name, bytes, {}, {"not supported", word});
+  };
+  refuse("PhotometricInterpretation", "white16.tif", tiff(2, 1, 1, 16, "abcd", {{262, 3, 1, little(0, 2)}}),
+         "MinIsWhite");
+  refuse("PhotometricInterpretation", "unknown.tif", tiff(2, 1, 3, 8, "abcabc", {{262, 3, 1, little(77, 2)}}),
+         "PhotometricInterpretation 77");
+  refuse("PhotometricInterpretation", "inks5.tif", tiff(2, 1, 5, 8, "abcdeabcde", {separated}), "CMYK with 5");
+  refuse("SampleFormat", "float24.tif", tiff(2, 1, 3, 24, std::string(18, 'a'), {floating}), "24 bits");
+  refuse("NewSubfileType", "reduced.tif", tiff(2, 1, 3, 8, "abcabc", {{254, 4, 1, little(1, 4)}}), "NewSubfileType");
+  refuse("GrayResponseCurve", "response.tif", tiff(2, 1, 1, 8, "ab", {{291, 3, 256, std::string(512, '\1')}}),
+         "GrayResponseCurve");
   add("SampleFormat", Becomes::refused, "signed.tif",
       tiff(2, 1, 3, 16, "abcdefghijkl", {{339, 3, 3, shorts({2, 2, 2})}}), {}, {"not supported", "SampleFormat"});
   add("TransferFunction", Becomes::refused, "half.tif",

@@ -261,6 +261,16 @@ TEST_F(Faces, SayWhatTheyHoldAsOneFileDoes) {
   EXPECT_EQ(report({"info", "{face}.exr"})["metadata"]["lobe"], "diffuse");
 }
 
+TEST_F(Faces, HaveOneUnit) {
+  for (int face = 0; face < 6; ++face) {
+    OIIO::ImageSpec spec;
+    spec.attribute("whiteLuminance", face == 3 ? 2.F : 1.F);
+    save(path(std::string("unit_") + std::array{"px", "nx", "py", "ny", "pz", "nz"}.at(std::size_t(face)) + ".exr"),
+         face_directions(face, size), OIIO::TypeDesc::FLOAT, spec);
+  }
+  fails(3, {"info", "unit_{face}.exr"}, {"unit_ny.exr", "whiteLuminance is 2", "first face 1"});
+}
+
 TEST_F(Faces, AreRefusedInOneLine) {
   const auto writes = [&](const std::string& faces, const std::vector<std::string>& words) {
     fails(2, {"convert", "map.exr", "x_{face}.exr", "--faces", faces}, words);

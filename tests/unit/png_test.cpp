@@ -149,6 +149,21 @@ TEST(Png, ExifTellsTheOrientation) {
                                      [&](png_structp p, png_infop i) { png_set_eXIf_1(p, i, sizeof exif, exif); });
   const InputFile file{std::span<const char>(bytes)};
   EXPECT_EQ(open_png(file, false).value().facts.orientation, Orientation::right_top);
+  // The chunk may also follow the texels.
+  const std::size_t at = bytes.find("eXIf") - 4, size = 12 + sizeof exif;
+  std::string after = bytes.substr(0, at) + bytes.substr(at + size);
+  after.insert(after.find("IEND") - 4, bytes.substr(at, size));
+  const InputFile other{std::span<const char>(after)};
+  EXPECT_EQ(open_png(other, false).value().facts.orientation, Orientation::right_top);
+}
+
+// A place on a page is none on the sphere.
+TEST(Png, AnOffsetIsIgnored) {
+  const std::string bytes = png_file({PNG_COLOR_TYPE_RGB, 8}, 4, 4, [&](png_structp p, png_infop i) {
+    png_set_oFFs(p, i, 100, 50, PNG_OFFSET_PIXEL);
+  });
+  const InputFile file{std::span<const char>(bytes)};
+  EXPECT_EQ(open_png(file, false).value().facts.claims.back().name, "oFFs");
 }
 
 TEST(Png, CutImagesAreRefused) {

@@ -153,6 +153,14 @@ TEST(Tiff, RareImagesAreLeftToOpenImageIo) {
   EXPECT_FALSE(with(TIFFTAG_PIXAR_TEXTUREFORMAT, "LatLong Environment"));
   EXPECT_FALSE(with(TIFFTAG_PLANARCONFIG, PLANARCONFIG_SEPARATE));
   EXPECT_THROW(with(TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_CIELAB), InputError);
+  const auto tiles = [](TIFF* t) {
+    TIFFSetField(t, TIFFTAG_TILEWIDTH, 16);
+    TIFFSetField(t, TIFFTAG_TILELENGTH, 16);
+  };
+  EXPECT_FALSE(is_read({}, tiles));
+  EXPECT_THROW(is_read({3, 64, COMPRESSION_NONE, true}, tiles), InputError);
+  EXPECT_THROW(is_read({4, 8}, [&](TIFF* t) { TIFFSetField(t, TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_SEPARATED), tiles(t); }),
+               InputError);
   const auto xmp = [&](const std::string& text) {
     return is_read({}, [&](TIFF* t) { TIFFSetField(t, TIFFTAG_XMLPACKET, int(text.size()), text.data()); });
   };

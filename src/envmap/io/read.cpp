@@ -367,6 +367,9 @@ Level read_face_files(const std::string& path, const FaceFiles& files, const Rea
       for (const std::string& note : head.notes) source.notes.push_back(fmt::format("{}: {}", image.name, note));
     if (const ClaimedSpace c = claimed_space(image, recorded, options.colour); !same(c, source.claimed))
       image.fail(fmt::format("its colours are {}, but the first face is {}", words(c), words(source.claimed)));
+    if (const auto unit = recorded.provenance.white_luminance; unit != source.provenance.white_luminance && number == 0)
+      image.fail(fmt::format("its whiteLuminance is {}, but that of the first face {}", unit.value_or(1),
+                             source.provenance.white_luminance.value_or(1)));
     if (face == 0) convention = recorded_convention(recorded);
     if (const std::string_view other = recorded_convention(recorded); options.faces.empty() && other != convention)
       image.fail(fmt::format("its picture lies {}, but that of the first face {}", lies(other), lies(convention)),

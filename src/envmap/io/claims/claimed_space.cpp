@@ -59,8 +59,14 @@ ClaimedSpace claimed_space(Image& image, const Metadata& recorded, const ColourO
   if (image.texture && encoded && !options.space.empty())
     throw UsageError(image.name, "its format says that it is sRGB: another space of its values makes no sense");
   const ClaimedSpace written = written_of(image, recorded);
+  const auto& said = recorded.provenance.chromaticities;
+  if (said && written.by.empty() && options.space.empty() && !is_possible(primaries(*said)))
+    throw InputError(image.name, "damaged: chromaticities that no light has", Remedy::choose_space);
   if (image.texture) {
     const KhrColour colour = image.texture->colour;
+    if (colour.primaries > 0 && !knows_primaries(colour.primaries) && written.by.empty() && options.space.empty())
+      throw InputError(image.name, fmt::format("not supported: KTX2 of primaries {}", colour.primaries),
+                       Remedy::choose_space);
     const ClaimedSpace described = space_of(colour);
     const Primaries p = described.primaries.value_or(rec709);
     if (encoded) return {encoded_space_with(p), p, "its format", true};

@@ -36,6 +36,10 @@ std::optional<KhrColour> khr_colour(const std::optional<Primaries>& primaries, C
   return found == std::end(numbered_primaries) ? std::nullopt : std::optional(KhrColour{found->number, transfer});
 }
 
+bool knows_primaries(std::uint8_t number) {
+  return std::ranges::find(numbered_primaries, number, &Row::number) != std::end(numbered_primaries);
+}
+
 ClaimedSpace space_of(KhrColour colour) {
   const auto* found = std::ranges::find(numbered_primaries, colour.primaries, &Row::number);
   if (found == std::end(numbered_primaries) || (colour.transfer != khr_linear && colour.transfer != khr_srgb))

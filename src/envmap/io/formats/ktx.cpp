@@ -497,6 +497,8 @@ TextureFile open_ktx2(const InputFile& file) {
       throw InputError(
           fmt::format("not supported: KTX2 of orientation '{}': 'rd' is read, and 'ru' of flat images", o));
   }
+  if (const std::string& s = pairs["KTXswizzle"]; !s.empty() && !s.starts_with("rgb"))
+    throw InputError(fmt::format("not supported: KTX2 of swizzle '{}': channels are read as they are stored", s));
   t.recorded = recorded(pairs);
   require_uastc_hdr(file, h);
   t.colour = described_colour(file, h);

@@ -362,6 +362,8 @@ Provenance colours_of(const Imf::Header& header) {
   Provenance p;
   if (Imf::hasWhiteLuminance(header) && std::isfinite(Imf::whiteLuminance(header)))
     p.white_luminance = Imf::whiteLuminance(header);
+  if (p.white_luminance && *p.white_luminance <= 0)
+    throw InputError(fmt::format("damaged: a whiteLuminance of {}, which no light has", *p.white_luminance));
   if (!Imf::hasChromaticities(header)) return p;
   const Imf::Chromaticities& c = Imf::chromaticities(header);
   p.chromaticities = {c.red.x, c.red.y, c.green.x, c.green.y, c.blue.x, c.blue.y, c.white.x, c.white.y};

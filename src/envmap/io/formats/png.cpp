@@ -16,6 +16,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "envmap/base/error.h"
@@ -302,7 +303,7 @@ struct Header {
   png_uint_32 width = 0, height = 0;
   int bits = 0, kind = 0, interlace = 0, channels = 0;
   std::size_t row_bytes = 0;
-  bool has_offset = false;  // Which OpenImageIO reads.
+  bool has_offset = false;  // A place on a page.
   int stored_bits = 0;
   png_textp texts = nullptr;
   png_unknown_chunkp chunks = nullptr;  // Those of colours and EXIF.
@@ -379,6 +380,25 @@ void read_chunks(const Header& h, bool for_texture, ImageFacts& facts) {
   }
   facts.encoded = is_encoded(chunks);
   if (!for_texture) read_png_colours(chunks, h.stored_bits, facts);
+}
+
+// EXIF may also follow the image (PNG's third edition, 11.3.4.5), where libpng's reading of the header does not come.
+void read_exif_after_image(const InputFile& file, ImageFacts& facts) {
+  bool image = false;
+  for (std::uint64_t at = 8; at + 12 <= file.size();) {
+    std::array<unsigned char, 8> head{};
+    if (file.pread(head.data(), head.size(), at) != head.size()) return;
+    const std::uint64_t size = std::uint64_t{head[0]} << 24U | head[1] << 16U | head[2] << 8U | head[3];
+    const std::string_view type(reinterpret_cast<const char*>(head.data()) + 4, 4);
+    if (type == "IEND" || at + 12 + size > file.size()) return;
+    image |= type == "IDAT";
+    if (image && type == exif_chunk) {
+      std::vector<unsigned char> exif(size);
+      if (file.pread(exif.data(), size, at + 8) == size) read_exif(exif, facts);
+      return;
+    }
+    at += 12 + size;
+  }
 }
 
 ImageFacts facts_of(const Header& h, bool for_texture) {
@@ -471,10 +491,13 @@ class Reader {
 std::optional<ImageReader> open_png(const InputFile& file, bool straight_alpha, ImageFacts* found) {
   const auto reader = std::make_shared<Reader>(file);
   const Header& h = reader->header();
-  const ImageFacts facts = facts_of(h, straight_alpha);
+  ImageFacts facts = facts_of(h, straight_alpha);
+  if (!straight_alpha) read_exif_after_image(file, facts);
+  if (h.has_offset)
+    facts.claims.push_back(
+        {.name = "oFFs", .value = "an offset", .outcome = Claim::Outcome::ignored, .reason = "of a page"});
   if (found) *found = facts;
   if (straight_alpha || facts.straight_alpha) reader->keep_straight();
-  if (h.has_offset) return std::nullopt;
   for (const auto& [name, text] : facts.attributes)
     if (is_for_openimageio(name)) return std::nullopt;
   return ImageReader{.format = "png",

@@ -29,8 +29,6 @@ namespace envmap {
 // Technical Note "Adobe Photoshop TIFF", tag 34675; Larson, "LogLuv encoding for full-gamut, high-dynamic range
 // images" (1998).
 
-namespace {}  // namespace
-
 // What tags state of the colours.
 
 namespace {
@@ -59,6 +57,32 @@ void check_photometric(unsigned photometric) {
   for (const Unsupported& row : unsupported)
     if (row.photometric == photometric)
       throw InputError(fmt::format("not supported: TIFF of {} (PhotometricInterpretation {})", row.name, photometric));
+  constexpr unsigned known[] = {PHOTOMETRIC_MINISWHITE, PHOTOMETRIC_MINISBLACK, PHOTOMETRIC_RGB,  PHOTOMETRIC_PALETTE,
+                                PHOTOMETRIC_SEPARATED,  PHOTOMETRIC_YCBCR,      PHOTOMETRIC_LOGL, PHOTOMETRIC_LOGLUV};
+  if (std::ranges::find(known, photometric) == std::end(known))
+    throw InputError(fmt::format("not supported: TIFF of PhotometricInterpretation {}", photometric));
+}
+
+// What libtiff or OpenImageIO reads as something else: a preview of 8 bits, zeros, values that are not inverted.
+void check_samples(TIFF* tiff, unsigned photometric) {
+  const unsigned bits = word(tiff, TIFFTAG_BITSPERSAMPLE), samples = word(tiff, TIFFTAG_SAMPLESPERPIXEL);
+  const bool floats = word(tiff, TIFFTAG_SAMPLEFORMAT) == SAMPLEFORMAT_IEEEFP, tiles = TIFFIsTiled(tiff) != 0;
+  const auto refuse = [](bool when, const std::string& what) {
+    if (when) throw InputError(fmt::format("not supported: TIFF of {}", what));
+  };
+  refuse(floats && bits != 16 && bits != 32 && bits != 64, fmt::format("floats of {} bits", bits));
+  refuse(floats && bits == 64 && tiles, "64-bit floats in tiles: write it in strips");
+  refuse(is_log(photometric) && tiles, "LogLuv in tiles: write it in strips");
+  refuse(photometric == PHOTOMETRIC_SEPARATED && tiles, "CMYK in tiles: write it in strips");
+  refuse(photometric == PHOTOMETRIC_SEPARATED && samples != 4, fmt::format("CMYK with {} samples", samples));
+  refuse(photometric == PHOTOMETRIC_MINISWHITE && (floats || (bits > 8 && bits != 32)),
+         fmt::format("white as 0 (MinIsWhite) in {} bits", bits));
+  refuse(word(tiff, TIFFTAG_COMPRESSION) == COMPRESSION_PIXARLOG, "PixarLog compression");
+  std::uint32_t kind = 0;
+  refuse(TIFFGetField(tiff, TIFFTAG_SUBFILETYPE, &kind) == 1 && (kind & FILETYPE_REDUCEDIMAGE) != 0,
+         "a reduced picture (NewSubfileType 1) before the whole one");
+  const void* curve = nullptr;
+  refuse(TIFFGetField(tiff, TIFFTAG_GRAYRESPONSECURVE, &curve) == 1, "a GrayResponseCurve");
 }
 
 void check_inks(TIFF* tiff) {
@@ -192,6 +216,7 @@ void read_tiff_colours(TIFF* tiff, ImageFacts& facts) {
   const unsigned photometric = word(tiff, TIFFTAG_PHOTOMETRIC);
   check_photometric(photometric);
   check_sample_format(tiff);
+  check_samples(tiff, photometric);
   if (photometric == PHOTOMETRIC_SEPARATED) check_inks(tiff);
   const Colorimetry said(tiff);
   if (is_log(photometric)) return honour_log(tiff, said, facts);
