@@ -341,8 +341,6 @@ void add_tiff(Rows& rows) {
   refuse("PhotometricInterpretation", "inks5.tif", tiff(2, 1, 5, 8, "abcdeabcde", {separated}), "CMYK with 5");
   refuse("SampleFormat", "float24.tif", tiff(2, 1, 3, 24, std::string(18, 'a'), {floating}), "24 bits");
   refuse("NewSubfileType", "reduced.tif", tiff(2, 1, 3, 8, "abcabc", {{254, 4, 1, little(1, 4)}}), "NewSubfileType");
-  refuse("GrayResponseCurve", "response.tif", tiff(2, 1, 1, 8, "ab", {{291, 3, 256, std::string(512, '\1')}}),
-         "GrayResponseCurve");
   add("SampleFormat", Becomes::refused, "signed.tif",
       tiff(2, 1, 3, 16, "abcdefghijkl", {{339, 3, 3, shorts({2, 2, 2})}}), {}, {"not supported", "SampleFormat"});
   add("TransferFunction", Becomes::refused, "half.tif",

@@ -54,6 +54,11 @@ void fill(TIFF* t, const Kind& kind, int width, int height, const More& more) {
   const std::uint16_t associated = EXTRASAMPLE_ASSOCALPHA;
   if (kind.samples == 4) TIFFSetField(t, TIFFTAG_EXTRASAMPLES, 1, &associated);
   more(t);
+  if (TIFFIsTiled(t)) {  // One black tile.
+    std::vector<unsigned char> tile(std::size_t(TIFFTileSize(t)));
+    TIFFWriteEncodedTile(t, 0, tile.data(), TIFFTileSize(t));
+    return;
+  }
   std::mt19937 random(unsigned(kind.bits + kind.samples));
   std::vector<unsigned char> row(std::size_t(width * kind.samples * kind.bits / 8));
   for (int y = 0; y < height; ++y) {

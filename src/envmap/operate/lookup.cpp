@@ -96,7 +96,6 @@ void EnvironmentLookup::operator()(std::span<const Vec3<float>> directions, std:
 double EnvironmentLookup::level_at(double roughness) const {
   const std::vector<double>& known = levels_->roughnesses;
   if (known.empty()) throw UsageError("the levels have no roughnesses: give them with the map");
-  if (std::isnan(roughness)) throw UsageError("roughness must be a number, not NaN");
   if (!(roughness > known.front())) return 0;
   const auto above = std::ranges::upper_bound(known, roughness);
   if (above == known.end()) return double(known.size() - 1);

@@ -81,8 +81,6 @@ void check_samples(TIFF* tiff, unsigned photometric) {
   std::uint32_t kind = 0;
   refuse(TIFFGetField(tiff, TIFFTAG_SUBFILETYPE, &kind) == 1 && (kind & FILETYPE_REDUCEDIMAGE) != 0,
          "a reduced picture (NewSubfileType 1) before the whole one");
-  const void* curve = nullptr;
-  refuse(TIFFGetField(tiff, TIFFTAG_GRAYRESPONSECURVE, &curve) == 1, "a GrayResponseCurve");
 }
 
 void check_inks(TIFF* tiff) {
