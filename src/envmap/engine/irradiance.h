@@ -13,7 +13,8 @@ namespace envmap {
 /// Irradiance over pi of a surface that faces (x, y, z): colours before 1, y, z, x, xy, yz, 3z^2 - 1, zx and x^2 - y^2.
 using IrradiancePolynomial = ShaderSh;
 
-/// Of a radiance to degree 2, windowed as `envmap sh --window auto` does where the irradiance would fall below 0.
+/// Returns the irradiance of radiance to degree 2, windowed as `envmap sh --window auto` does where it would fall below
+/// 0.
 IrradiancePolynomial irradiance_polynomial(Harmonics radiance);
 
 /// What goes into WriteOptions::pairs.

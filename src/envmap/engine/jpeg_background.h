@@ -11,7 +11,7 @@ namespace envmap {
 /// A row whose first map is background.jpg, a panorama. Nothing where the engine has no known loader of gain maps.
 std::optional<Engine> with_jpeg_background(const Engine& engine);
 
-/// Whether a map's file is a JPEG, which holds light above white by a gain map.
+/// Returns true for the name of a JPEG file, which holds light above white by a gain map.
 bool is_jpeg(std::string_view file);
 
 }  // namespace envmap

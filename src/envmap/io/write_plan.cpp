@@ -13,6 +13,7 @@
 #include "envmap/io/files/face_names.h"
 #include "envmap/io/files/output_file.h"
 #include "envmap/io/formats/openexr.h"
+#include "envmap/io/images/detect_layout.h"
 #include "envmap/io/metadata.h"
 
 namespace envmap {
@@ -130,9 +131,7 @@ OutputPlan plan_output(const std::string& path, const WriteOptions& options, Pro
   check_enumerator("projection", projection);
   check_enumerator("source_depth", options.source_depth);
   if (options.depth) check_enumerator("depth", *options.depth);
-  if (options.layout) check_enumerator("layout", *options.layout);
-  if (options.layout && (*options.layout < Layout::column || *options.layout == Layout::api))
-    throw UsageError(fmt::format("{} is no layout of a cube's faces in a file", name(*options.layout)));
+  if (options.layout) check_cube_layout(*options.layout);
   for (const auto& [key, text] : options.facts)
     if (!is_word(key) || !is_word(text))
       throw UsageError(fmt::format("facts must be words without spaces, not '{}': '{}'", key, text));

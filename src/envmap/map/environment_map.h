@@ -34,7 +34,7 @@ class Level {
   /// @throws UsageError where a side is out of its range (bounds.h) or the width of another map than a latlong one is
   /// not that of its projection, std::bad_alloc.
   Level(Projection projection, int size, int width = 0, std::size_t max_memory = 0);
-  /// What was moved from is empty: no faces, no rows.
+  /// A level that was moved from is empty: it has no faces and no rows.
   Level(Level&& from) noexcept
       : projection_(from.projection_),
         faces_(std::exchange(from.faces_, 0)),

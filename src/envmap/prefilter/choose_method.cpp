@@ -29,7 +29,6 @@ constexpr double interpolated = 150;                  // An output or a node tha
 constexpr double tap = 0.07;                          // A node of a window whose kernel value is shared.
 constexpr double ggx_value = 0.6, power_value = 0.9;  // A node of a window whose kernel value is computed.
 constexpr double near_field_point = 0.65, power_texel = 1.6, power_point = 1.6, panel = 1.5;
-constexpr double panel_nodes = 1024;  // PanelMeans::values of power_on_face-inl.h
 
 // The near field of one output.
 double near_field_cost(const Job& job, const LevelKernel& kernel) {
@@ -41,7 +40,7 @@ double near_field_cost(const Job& job, const LevelKernel& kernel) {
       if (!panels) return 500 + power_point * points_in_texel(kernel, side) * seen;
       const int inner = *panels - 1;
       const double near = inner > 0 ? std::min(1.0, portable::pow(reach_of_panels(kernel, side, inner) / reach, 2)) : 0;
-      return 500 + panel * ((inner > 0 ? 2 : 1) * panel_nodes +
+      return 500 + panel * ((inner > 0 ? 2 : 1) * double(panel_values) +
                             1.3 * seen * std::lerp(*panels * *panels, inner * inner, near));
     }
     const double side = pi / job.rows(), panels = std::ceil(std::max(1.0, variation_over(kernel, side)));

@@ -21,7 +21,7 @@ inline constexpr std::uint8_t khr_linear = 1, khr_srgb = 2;
 /// @param primaries empty where they are not known.
 std::optional<KhrColour> khr_colour(const std::optional<Primaries>& primaries, Curve curve);
 
-/// Whether a number of primaries is one that is read.
+/// Returns true for the numbers whose primaries are known; files with others are refused.
 bool knows_primaries(std::uint8_t number);
 
 /// Returns the space that the bytes name; an empty claim where they name none.

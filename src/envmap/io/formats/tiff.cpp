@@ -63,7 +63,7 @@ void check_photometric(unsigned photometric) {
     throw InputError(fmt::format("not supported: TIFF of PhotometricInterpretation {}", photometric));
 }
 
-// What libtiff or OpenImageIO reads as something else: a preview of 8 bits, zeros, values that are not inverted.
+// Refuses samples that libtiff or OpenImageIO reads as something else: as a preview of 8 bits, as zeros, not inverted.
 void check_samples(TIFF* tiff, unsigned photometric) {
   const unsigned bits = word(tiff, TIFFTAG_BITSPERSAMPLE), samples = word(tiff, TIFFTAG_SAMPLESPERPIXEL);
   const bool floats = word(tiff, TIFFTAG_SAMPLEFORMAT) == SAMPLEFORMAT_IEEEFP, tiles = TIFFIsTiled(tiff) != 0;

@@ -48,12 +48,17 @@ int complete_levels(const DetectedLayout& base) {
   return int(std::bit_width(unsigned(std::max(first.width, first.height))));
 }
 
+void check_cube_layout(Layout layout) {
+  check_enumerator("layout", layout);
+  if (std::ranges::find(cube_layouts, layout) == std::end(cube_layouts))
+    throw UsageError(fmt::format("{} is no layout of a cube's faces", name(layout)));
+}
+
 DetectedLayout detect_layout(int width, int height, const Metadata& said, const Metadata& recorded) {
   const std::string found = fmt::format("({}x{})", width, height);
   std::optional<Projection> p = said.projection ? said.projection : recorded.projection;
   std::optional<Layout> layout = said.layout;
-  if (layout && (*layout < Layout::column || *layout == Layout::api))
-    throw UsageError(fmt::format("{} is no layout of a cube's faces in an image", name(*layout)));
+  if (layout) check_cube_layout(*layout);
   if (!p && layout) p = Projection::cube;
   if (const auto table = recorded.facts.find(std::string(table_fact)); !p && table != recorded.facts.end())
     throw InputError(fmt::format("is the BRDF table of {} {}, not an environment map", table->second, found));

@@ -274,7 +274,7 @@ class PanelsOnFace {
   double half_;  // Half of a panel's side, as a part of a texel's.
   float area_;
   std::size_t stride_;
-  Middles1d across_;
+  MiddlesAlong across_;
   PanelMeans<cosine> means_;
   std::vector<float> places_;  // From -1 to 1: of the first panels of all texels, then of the second ones.
   std::vector<typename PanelMeans<cosine>::Row> rows_;
@@ -282,14 +282,13 @@ class PanelsOnFace {
 
 // Texels in the middle, where a power falls less, are divided into one panel less.
 template <bool cosine>
-Flux over_power_face(const Light& light, const LevelKernel& k, int face, const Window& w) {
-  const int panels = panels_on_face(k, w.wide).value();
+Flux over_power_face(const Light& light, const LevelKernel& k, int face, const Window& w, int panels) {
   PanelsOnFace<cosine> outer(k, w, panels);
   std::optional<PanelsOnFace<cosine>> inner;
   const double reach = panels > 1 ? reach_of_panels(k, w.wide, panels - 1) : 0;
   if (panels > 1) inner.emplace(k, w.within(reach), panels - 1);
   Sums total;
-  std::size_t values = (inner ? 2 : 1) * PanelMeans<cosine>::values;
+  std::size_t values = (inner ? 2 : 1) * panel_values;
   for (int row = w.down.first; row <= w.down.last; ++row) {
     const RowOfTexels texels = w.row_of(light.source, face, row);
     outer.set_row(row);
@@ -314,6 +313,7 @@ Flux NearFieldCube(const Light& light, const LevelKernel& k, const Direction& n)
   const double reach = 2 * portable::asin(std::sqrt(0.5 * double(k.end)));
   const int size = light.source.height();
   const double wide = 2.0 / size;
+  const std::optional<int> panels = panels_on_face(k, wide);
   Flux sum(0);
   for (int face = 0; face < 6; ++face) {
     const Cube::Axes& a = Cube::axes[std::size_t(face)];
@@ -324,10 +324,11 @@ Flux NearFieldCube(const Light& light, const LevelKernel& k, const Direction& n)
                    cells_of(ahead, -up, reach, size),
                    wide};
     if (w.count() <= 0 || w.down.last < w.down.first) continue;
-    if (!panels_on_face(k, wide))
+    if (!panels)
       sum += over_face(light, k, face, w);
     else
-      sum += k.cosine ? over_power_face<true>(light, k, face, w) : over_power_face<false>(light, k, face, w);
+      sum += k.cosine ? over_power_face<true>(light, k, face, w, *panels)
+                      : over_power_face<false>(light, k, face, w, *panels);
   }
   return sum;
 }

@@ -43,6 +43,9 @@ inline constexpr int most_panels = 8;
 /// The power of e by which a power falls over a side, where it is steepest, over LevelKernel::max_variation.
 double variation_over(const LevelKernel& k, double side);
 
+/// Values of the power that give the polynomial of a window of a face (power_on_face-inl.h): 16 at each of 8 x 8 nodes.
+inline constexpr std::size_t panel_values = 1024;
+
 /// Panels of a side of a cube's texel (power_on_face-inl.h). None where a lobe is too wide or falls too far.
 std::optional<int> panels_on_face(const LevelKernel& k, double side);
 /// The angle from the middle of a lobe up to which so many panels serve.

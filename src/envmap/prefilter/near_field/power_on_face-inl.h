@@ -7,6 +7,7 @@
 // gives it for every panel, which takes one power of two. tests/bench/kappa.cpp measures the error of all.
 #include "envmap/prefilter/near_field/gauss_points-inl.h"
 #include "envmap/prefilter/near_field/narrow_power-inl.h"
+#include "envmap/prefilter/near_field/point_rules.h"
 
 #if defined(ENVMAP_PREFILTER_POWER_ON_FACE_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef ENVMAP_PREFILTER_POWER_ON_FACE_INL_H_
@@ -27,19 +28,20 @@ inline constexpr Interpolation<terms_on_face> on_face({-0.980785280403230449, -0
                                                        0.980785280403230449});
 
 // The places of the middles of panels along one side of a face, from the output's place.
-struct Middles1d {
+struct MiddlesAlong {
   double middle, half;  // half > 0
-  Middles1d(double from, double to) : middle(0.5 * (from + to)), half(std::max(1e-6, 0.5 * (to - from))) {}
+  MiddlesAlong(double from, double to) : middle(0.5 * (from + to)), half(std::max(1e-6, 0.5 * (to - from))) {}
 };
 
 // The binary logarithm of the mean of power x solid angle over a panel.
 template <bool cosine>
 class PanelMeans {
  public:
-  static constexpr std::size_t values = terms_on_face * terms_on_face * 16;  // Of the power, that it takes.
+  static_assert(panel_values == terms_on_face * terms_on_face * 16);
 
   // @param panel the side of a panel.
-  PanelMeans(const OnCube& place, const LevelKernel& k, const Middles1d& across, const Middles1d& down, double panel)
+  PanelMeans(const OnCube& place, const LevelKernel& k, const MiddlesAlong& across, const MiddlesAlong& down,
+             double panel)
       : down_(down) {
     double logs[terms_on_face][terms_on_face];
     for (std::size_t j = 0; j < terms_on_face; ++j) {
@@ -81,7 +83,7 @@ class PanelMeans {
 
  private:
   // At the nodes of a row.
-  static void set_logs(const OnCube& place, const LevelKernel& k, const Middles1d& across, double y, double panel,
+  static void set_logs(const OnCube& place, const LevelKernel& k, const MiddlesAlong& across, double y, double panel,
                        double (&logs)[terms_on_face]) {
     const D d;
     alignas(32) float more[virtual_lanes];
@@ -117,7 +119,7 @@ class PanelMeans {
     return log2_of(d, sum, broadcast(1) - sum) + broadcast(room);
   }
 
-  Middles1d down_;
+  MiddlesAlong down_;
   double factors_[terms_on_face][terms_on_face];
 };
 
